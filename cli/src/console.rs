@@ -31,7 +31,7 @@ pub fn note(message: &str) {
     }
 }
 
-/// Prints a report on the work done and on `out`, on standard output, unless `--quiet`.
+/// Prints a report on the work done, on the stream of [`answer`], unless `--quiet`.
 ///
 /// # Errors
 /// Standard output cannot be written.

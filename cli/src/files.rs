@@ -1,12 +1,12 @@
-//! Reads regular files, up to a limit, and writes files whole or not at all: a full disk keeps the old file and gets no
-//! half of a new one. Missing folders are made, and `-` is standard output.
+//! Reads regular files, up to a limit. Writes a file whole or not at all: on a full disk the old file remains, and no
+//! part of the new one. Missing folders are made, and `-` is standard output.
 
 use crate::failure::Failure;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Read as _, Write};
 use std::path::Path;
 
-/// Whether a path stands for standard output.
+/// Whether a path is the name of standard output.
 pub fn is_stdout(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
@@ -27,7 +27,7 @@ pub fn open(path: &Path) -> io::Result<File> {
 /// Reads a regular file of at most `most` bytes.
 ///
 /// # Errors
-/// As [`open`], or a larger file.
+/// As for [`open`], or a larger file.
 pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     open(path)?.take(most + 1).read_to_end(&mut bytes)?;
@@ -41,7 +41,7 @@ pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
 ///
 /// # Errors
 /// The folder cannot be made; the message names it.
-pub fn make_room(file: &Path) -> Result<(), Failure> {
+pub fn make_parent(file: &Path) -> Result<(), Failure> {
     match file.parent().filter(|parent| !parent.as_os_str().is_empty()) {
         Some(folder) => make_folder(folder),
         None => Ok(()),
@@ -65,7 +65,7 @@ pub fn make_folder(folder: &Path) -> Result<(), Failure> {
 }
 
 /// Writes a file: first under another name beside it, which is then renamed. A path that is not a regular file, such as
-/// a pipe or a device, is written in place; a symbolic link remains. A missing folder is made.
+/// a pipe or a device, is written directly; a symbolic link remains. A missing folder is made.
 ///
 /// # Errors
 /// The system's error. An existing file is unchanged, and nothing else is left.
@@ -132,10 +132,10 @@ mod tests {
         symlink("/dev/zero", path("device")).unwrap();
         assert!(std::process::Command::new("mkfifo").arg(path("pipe")).status().unwrap().success());
         assert_eq!(read(&path("file"), 5).unwrap(), b"12345");
-        let told = |name: &str| read(&path(name), 4).unwrap_err().to_string();
-        assert_eq!(told("file"), "it has more than 4 bytes");
-        assert_eq!(told("device"), "it is a pipe or a device, and no file");
-        assert_eq!(told("pipe"), "it is a pipe or a device, and no file");
+        let message = |name: &str| read(&path(name), 4).unwrap_err().to_string();
+        assert_eq!(message("file"), "it has more than 4 bytes");
+        assert_eq!(message("device"), "it is a pipe or a device, and no file");
+        assert_eq!(message("pipe"), "it is a pipe or a device, and no file");
         assert_eq!(read(dir.path(), 4).unwrap_err().to_string(), "it is a folder, and no file");
         assert_eq!(read(&path("none"), 4).unwrap_err().kind(), io::ErrorKind::NotFound);
     }
@@ -151,8 +151,8 @@ mod tests {
         let deep = dir.path().join("made/too/file");
         save(&deep, b"there").unwrap();
         assert_eq!(fs::read(&deep).unwrap(), b"there");
-        let told = |made: Result<(), Failure>| format!("{:?}", made.unwrap_err());
-        assert!(told(make_folder(&deep)).contains("is a file"));
-        assert!(told(make_room(&deep.join("under"))).contains("is a file"));
+        let message = |made: Result<(), Failure>| format!("{:?}", made.unwrap_err());
+        assert!(message(make_folder(&deep)).contains("is a file"));
+        assert!(message(make_parent(&deep.join("under"))).contains("is a file"));
     }
 }

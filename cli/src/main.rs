@@ -14,7 +14,7 @@ mod osl;
 mod plots;
 mod spelling;
 
-use arguments::{CameraChoice, ParameterFlags, of_a_scene, of_a_stack};
+use arguments::{CameraChoice, ParameterFlags, with_scene_defaults, with_stack_defaults};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use commands::pictures::{focus_stack, merge, render};
@@ -29,8 +29,8 @@ use std::process::ExitCode;
 
 /// A real camera for renderers: rays traced through every interface of a real lens.
 ///
-/// Without a command it does what `render` does: it renders the built-in scene through
-/// `dgauss.50mm` to realistic.png. Lengths are millimetres unless an option says otherwise.
+/// Without a command it runs `render`: it renders the built-in scene through `dgauss.50mm` to realistic.png. Lengths
+/// are millimetres unless an option states another unit.
 #[derive(Parser)]
 #[command(name = "realistic", version, args_conflicts_with_subcommands = true)]
 struct Cli {
@@ -42,7 +42,7 @@ struct Cli {
     #[command(flatten)]
     flags: ParameterFlags,
     #[command(flatten)]
-    render: render::How,
+    render: render::PictureArgs,
 }
 
 #[derive(Subcommand)]
@@ -73,7 +73,7 @@ enum Command {
     Plan(plan::Args),
     /// Render the same picture focused from near to far
     FocusStack(focus_stack::Args),
-    /// Draw and measure the ways to sample a disk
+    /// Draw and measure the mappings from samples to a disk
     Disks(disks::Args),
     /// Copy the plugin into a renderer's plugin directory
     Install(install::Args),
@@ -91,9 +91,9 @@ enum Command {
 /// Returns the command line. Flags without a command are those of `render`, and its help lists
 /// them.
 fn command() -> clap::Command {
-    let command = of_a_scene(Cli::command())
-        .mut_subcommand("render", of_a_scene)
-        .mut_subcommand("focus-stack", of_a_stack);
+    let command = with_scene_defaults(Cli::command())
+        .mut_subcommand("render", with_scene_defaults)
+        .mut_subcommand("focus-stack", with_stack_defaults);
     command.mut_args(|arg| if arg.get_id() == "quiet" { arg } else { arg.hide_short_help(true) })
 }
 
@@ -150,7 +150,7 @@ fn main() -> ExitCode {
     }
     let outcome = match &cli.command {
         None => render::run(&CameraChoice::of_flags(&cli.flags), &cli.render),
-        Some(Command::Render(args)) => render::run(&args.camera, &args.how),
+        Some(Command::Render(args)) => render::run(&args.camera, &args.picture),
         Some(Command::Merge(args)) => merge::run(args),
         Some(Command::Lens(args)) => lens::run(args),
         Some(Command::Convert(args)) => convert::run(args),

@@ -18,7 +18,7 @@ const OTHER_WORDS: [(&str, &str); 7] = [
     ("jobs", "threads"),
 ];
 
-/// Returns the error of an unknown flag, with the flag that it may stand for and the usage of the given
+/// Returns the error of an unknown flag, with the flag that the user may have intended and the usage of the given
 /// command.
 pub fn corrected(error: Error, mut all: Command, words: &[OsString]) -> Error {
     let Some(ContextValue::String(given)) = error.get(ContextKind::InvalidArg).cloned() else { return error };
@@ -32,17 +32,17 @@ pub fn corrected(error: Error, mut all: Command, words: &[OsString]) -> Error {
         Some(name) => all.find_subcommand_mut(name).expect("found before"),
         None => &mut all,
     };
-    let mut told = Error::new(ErrorKind::UnknownArgument).with_cmd(command);
-    if let Some(flag) = meant(&given, command) {
-        told.insert(ContextKind::SuggestedArg, ContextValue::String(flag));
+    let mut suggestion = Error::new(ErrorKind::UnknownArgument).with_cmd(command);
+    if let Some(flag) = intended_flag(&given, command) {
+        suggestion.insert(ContextKind::SuggestedArg, ContextValue::String(flag));
     }
-    told.insert(ContextKind::InvalidArg, ContextValue::String(given));
-    told.insert(ContextKind::Usage, ContextValue::StyledStr(command.render_usage()));
-    told
+    suggestion.insert(ContextKind::InvalidArg, ContextValue::String(given));
+    suggestion.insert(ContextKind::Usage, ContextValue::StyledStr(command.render_usage()));
+    suggestion
 }
 
-/// Returns the flag of a command that has this meaning, or nearly this spelling.
-fn meant(given: &str, command: &Command) -> Option<String> {
+/// Returns the flag of a command with the meaning of the given one, or nearly its spelling.
+fn intended_flag(given: &str, command: &Command) -> Option<String> {
     let shown = command.get_arguments().filter(|arg| !arg.is_hide_set());
     let names = |arg: &Arg| {
         let aliases = arg.get_visible_aliases().into_iter().flatten();
@@ -51,8 +51,8 @@ fn meant(given: &str, command: &Command) -> Option<String> {
     let flags: Vec<String> = shown.flat_map(names).collect();
     let word = given.trim_start_matches('-');
     let letters = word.replace(['-', '_'], "").to_ascii_lowercase();
-    let own = OTHER_WORDS.iter().filter(|(other, _)| *other == letters).map(|(_, name)| *name);
-    let mut by_meaning = own
+    let known = OTHER_WORDS.iter().filter(|(other, _)| *other == letters).map(|(_, name)| *name);
+    let mut by_meaning = known
         .map(str::to_owned)
         .chain(Parameters::nearest(word).map(flag_name))
         .map(|name| format!("--{name}"));

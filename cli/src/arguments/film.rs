@@ -34,11 +34,11 @@ impl FilmSize {
 pub struct OwnFilm {
     /// Diagonal, mm.
     pub diagonal: f64,
-    why: Why,
+    reason: Reason,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Why {
+enum Reason {
     /// The lens's file states this full field of view, degrees.
     Stated(f64),
     /// No light gets farther from the axis.
@@ -50,12 +50,12 @@ enum Why {
 impl Display for OwnFilm {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "film diagonal {} mm: ", short(self.diagonal))?;
-        match self.why {
-            Why::Stated(field) => {
+        match self.reason {
+            Reason::Stated(field) => {
                 write!(f, "the image of the {} degrees that the lens file states", short(field))
             }
-            Why::Circle => write!(f, "the lens's image circle"),
-            Why::Default => write!(f, "the default"),
+            Reason::Circle => write!(f, "the lens's image circle"),
+            Reason::Default => write!(f, "the default"),
         }?;
         write!(f, " (--film-diagonal MM gives another)")
     }
@@ -67,7 +67,7 @@ impl OwnFilm {
         "that of the lens's own image, by the field that its file states or by its image circle, else 35";
 
     /// The library's film.
-    pub const DEFAULT: Self = Self { diagonal: 35.0, why: Why::Default };
+    pub const DEFAULT: Self = Self { diagonal: 35.0, reason: Reason::Default };
 
     /// Returns the film for the lens of these parameters; `None` if there is no such lens.
     pub fn of(given: &Parameters, host: &Host) -> Option<Self> {
@@ -92,7 +92,7 @@ impl OwnFilm {
             let half = Self::DEFAULT.diagonal / 2.0;
             // The search ends at a field of 166 degrees, so that its step is fine enough for a small lens.
             let lit = field.lit_radius(half.min(8.0 * focal_length))?;
-            return Some(if lit < half { Self::rounded(2.0 * lit, Why::Circle) } else { Self::DEFAULT });
+            return Some(if lit < half { Self::rounded(2.0 * lit, Reason::Circle) } else { Self::DEFAULT });
         };
         // No image lies farther out than three times f tan of the half field, taken at 70 degrees at most, or
         // three times f times the half field.
@@ -100,28 +100,28 @@ impl OwnFilm {
         let farthest = 3.0 * focal_length * half_angle.max(half_angle.min(1.2).tan());
         let lit = field.lit_radius(farthest)?;
         let angle = |radius: f64| field.real(2.0 * radius).unwrap_or(f64::INFINITY);
-        let wanted = stated.to_radians();
-        if angle(lit) <= wanted {
-            return Some(Self::rounded(2.0 * lit, Why::Circle));
+        let stated_angle = stated.to_radians();
+        if angle(lit) <= stated_angle {
+            return Some(Self::rounded(2.0 * lit, Reason::Circle));
         }
         // The field angle grows with the height.
         let (mut inside, mut outside) = (0.0, lit);
         for _ in 0..24 {
             let middle = 0.5 * (inside + outside);
-            if angle(middle) <= wanted { inside = middle } else { outside = middle }
+            if angle(middle) <= stated_angle { inside = middle } else { outside = middle }
         }
-        Some(Self::rounded(2.0 * inside, Why::Stated(stated)))
+        Some(Self::rounded(2.0 * inside, Reason::Stated(stated)))
     }
 
     /// Rounds down to three digits: the corner still has light, and the user can type the number.
-    fn rounded(diagonal: f64, why: Why) -> Self {
+    fn rounded(diagonal: f64, reason: Reason) -> Self {
         if !(diagonal > 0.0) {
             return Self::DEFAULT;
         }
         let unit = 10.0_f64.powi(diagonal.log10().floor() as i32 - 2);
         Self {
             diagonal: format!("{:.2e}", (diagonal / unit + 1e-6).floor() * unit).parse().unwrap_or(diagonal),
-            why,
+            reason,
         }
     }
 }
@@ -141,14 +141,14 @@ mod tests {
         for (name, format) in [("phone.4mm", 6.1), ("planar.50mm", 43.3), ("zoom.24-70mm", 43.3)] {
             let film = of(name);
             assert!(
-                (film.diagonal / format - 1.0).abs() < 0.04 && matches!(film.why, Why::Stated(_)),
+                (film.diagonal / format - 1.0).abs() < 0.04 && matches!(film.reason, Reason::Stated(_)),
                 "{name}: {film}"
             );
         }
         assert!(of("dgauss.50mm").is_default());
         // The corners are dark on 35 mm.
         let fisheye = of("fisheye.10mm");
-        assert!(fisheye.why == Why::Circle && fisheye.diagonal < 35.0, "{fisheye}");
+        assert!(fisheye.reason == Reason::Circle && fisheye.diagonal < 35.0, "{fisheye}");
         // The step of the search scales with the lens.
         let tiny = of("dgauss.50mm@1e-9mm").diagonal / of("dgauss.50mm@1mm").diagonal;
         assert!((tiny * 1e9 - 1.0).abs() < 0.02, "{tiny}");
@@ -158,7 +158,7 @@ mod tests {
 
     #[test]
     fn films_are_rounded_down_to_three_digits() {
-        let rounded = |diagonal| OwnFilm::rounded(diagonal, Why::Circle).diagonal;
+        let rounded = |diagonal| OwnFilm::rounded(diagonal, Reason::Circle).diagonal;
         assert_eq!(rounded(0.0), 35.0);
         assert_eq!([6.129, 43.27, 1.999e-8, 35.0, 108.2].map(rounded), [6.12, 43.2, 1.99e-8, 35.0, 108.0]);
     }

@@ -1,5 +1,5 @@
-//! The lens of a command: its name, its settings and the place of its film. The library defines the parameters and the
-//! camera that they make.
+//! The lens of a command: its name, its settings and the position of its film. The library defines the parameters and
+//! the camera that they make.
 
 use super::film::OwnFilm;
 use super::parameters::{ParameterFlags, capitalised, long_help};
@@ -30,7 +30,7 @@ pub struct CameraChoice {
 pub struct LensChoice(CameraChoice);
 
 /// Camera parameters that apply to a lens without a camera.
-const OF_A_LENS: [&str; 11] = [
+const LENS_PARAMETERS: [&str; 11] = [
     "lens_file",
     "glass_catalog",
     "film_distance",
@@ -47,7 +47,7 @@ const OF_A_LENS: [&str; 11] = [
 impl clap::Args for LensChoice {
     fn augment_args(command: Command) -> Command {
         // Other parameters are accepted with a warning, so that the same arguments work for every command.
-        let unused = |id: &str| PARAMETERS.iter().any(|row| row.name == id) && !OF_A_LENS.contains(&id);
+        let unused = |id: &str| PARAMETERS.iter().any(|row| row.name == id) && !LENS_PARAMETERS.contains(&id);
         CameraChoice::augment_args(command).mut_args(|arg| {
             match arg.get_id().as_str() {
                 id if unused(id) => arg.hide(true),
@@ -77,14 +77,14 @@ impl clap::FromArgMatches for LensChoice {
 }
 
 /// Returns the arguments of a command that renders one scene and focuses and places the camera for it.
-pub fn of_a_scene(command: Command) -> Command {
+pub fn with_scene_defaults(command: Command) -> Command {
     const FOCUS: &str = "focused on the scene's subject; a lens that cannot focus so near is moved back";
     const WINDOW: &str = "the width that a 40 mm lens sees at the scene's subject";
     with_defaults(command, [("film_distance", FOCUS), ("focus_distance", FOCUS), ("screen_window", WINDOW)])
 }
 
 /// Returns the arguments of a command whose pictures each have their own focus.
-pub fn of_a_stack(command: Command) -> Command {
+pub fn with_stack_defaults(command: Command) -> Command {
     const FOCUS: &str = "the range of --from and --to, which replace it";
     with_defaults(command, [("film_distance", FOCUS), ("focus_distance", FOCUS)])
 }
@@ -96,7 +96,7 @@ fn with_defaults<const N: usize>(command: Command, defaults: [(&str, &'static st
     })
 }
 
-/// The lens name that stands for standard input.
+/// The lens name for standard input.
 pub const PIPED: &str = "-";
 
 /// Reads the lens file from standard input, once and up to the largest allowed size.
@@ -223,33 +223,33 @@ impl LensChoice {
     /// Finds the lens; warnings go to standard error.
     ///
     /// # Errors
-    /// As [`open_lens`].
+    /// As for [`open_lens`].
     pub fn open(&self) -> Result<OpenedLens, Failure> {
-        self.open_with(&OF_A_LENS)
+        self.open_with(&LENS_PARAMETERS)
     }
 
     /// Opens the lens as [`LensChoice::open`] does, for commands that use the shape of the stop and accept the
     /// parameters of its blades.
     ///
     /// # Errors
-    /// As [`open_lens`].
+    /// As for [`open_lens`].
     pub fn open_with_blades(&self) -> Result<OpenedLens, Failure> {
         let of_blades = ["blades", "blade_rotation", "blade_curvature"];
-        self.open_with(&[&OF_A_LENS[..], &of_blades].concat())
+        self.open_with(&[&LENS_PARAMETERS[..], &of_blades].concat())
     }
 
     /// Finds the lens and accepts the parameter for the transmission of its surfaces, too.
     ///
     /// # Errors
-    /// As [`open_lens`].
+    /// As for [`open_lens`].
     pub fn open_with_transmission(&self) -> Result<OpenedLens, Failure> {
-        self.open_with(&[&OF_A_LENS[..], &["transmission"]].concat())
+        self.open_with(&[&LENS_PARAMETERS[..], &["transmission"]].concat())
     }
 
     /// Finds the lens and leaves it as its file describes it.
     ///
     /// # Errors
-    /// As [`open_lens`].
+    /// As for [`open_lens`].
     pub fn open_as_it_is(&self) -> Result<OpenedLens, Failure> {
         self.open_with(&["glass_catalog"])
     }
@@ -290,7 +290,7 @@ impl OpenedLens {
         }
     }
 
-    /// Whether the film's place or the plane in focus is given.
+    /// Whether the film's position or the plane in focus is given.
     pub fn is_placed(&self) -> bool {
         let Parameters { film_distance, focus_distance, focus_by, .. } = &self.parameters;
         film_distance.is_some() || focus_distance.is_some() || focus_by.is_some()
@@ -299,7 +299,7 @@ impl OpenedLens {
     /// Returns the blades of the stop; `None` if it is round.
     ///
     /// # Errors
-    /// As [`blades`].
+    /// As for [`blades`].
     pub fn blades(&self) -> Result<Option<Blades>, Failure> {
         Ok(blades(&self.parameters, &self.prescription)?)
     }
@@ -307,7 +307,7 @@ impl OpenedLens {
     /// Returns the coatings of the surfaces, from the scene on; `None` if transmission is ignored.
     ///
     /// # Errors
-    /// As [`coatings`].
+    /// As for [`coatings`].
     pub fn coatings(&self) -> Result<Option<Vec<SurfaceCoating>>, Failure> {
         Ok(coatings(self.parameters.transmission.unwrap_or_default(), &self.prescription)?)
     }
@@ -315,26 +315,26 @@ impl OpenedLens {
     /// Returns the distance from last vertex to film, mm.
     ///
     /// # Errors
-    /// As [`film_distance`].
+    /// As for [`film_distance`].
     pub fn film_distance(&self) -> Result<f64, Failure> {
         Ok(film_distance(&self.parameters, &self.lens)?)
     }
 
-    /// Returns the film distance, mm; `None` for a lens that makes no image, if no place was requested.
+    /// Returns the film distance, mm; `None` for a lens that makes no image, if no position was requested.
     ///
     /// # Errors
-    /// As [`film_distance`], if a place was requested.
+    /// As for [`film_distance`], if a position was requested.
     pub fn film_distance_if_any(&self) -> Result<Option<f64>, Failure> {
         match self.film_distance() {
             Err(failure) if self.is_placed() => Err(failure),
-            place => Ok(place.ok()),
+            distance => Ok(distance.ok()),
         }
     }
 
     /// Returns the lens and its film distance, mm, focused instead on a plane `distance` mm in front of the film.
     ///
     /// # Errors
-    /// As [`open_lens`] and [`film_distance`].
+    /// As for [`open_lens`] and [`film_distance`].
     pub fn focused_on(&self, distance: f64) -> Result<(Lens, f64), Failure> {
         let mut parameters = Parameters { film_distance: None, ..self.parameters.clone() };
         parameters.focus_distance = Some(distance / parameters.mm_per_unit.unwrap_or(1.0));
@@ -353,7 +353,7 @@ impl OpenedLens {
     /// Returns the nearest and the farthest plane that the groups focus on.
     ///
     /// # Errors
-    /// As [`group_reach`].
+    /// As for [`group_reach`].
     pub fn group_reach(&self) -> Result<[Conjugates; 2], Failure> {
         Ok(group_reach(&self.parameters, &self.host)?)
     }

@@ -7,7 +7,8 @@ mod values;
 
 pub use film::FilmSize;
 pub use lens::{
-    CameraChoice, LensChoice, OpenedLens, PIPED, host, of_a_scene, of_a_stack, size_film, standard_input,
+    CameraChoice, LensChoice, OpenedLens, PIPED, host, size_film, standard_input, with_scene_defaults,
+    with_stack_defaults,
 };
 pub use parameters::{ParameterFlags, flag_name};
 pub use values::{distance, finite, not_negative, positive, size, whole};

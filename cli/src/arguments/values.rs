@@ -1,4 +1,4 @@
-//! Numbers of flags: parses the text, or tells the user what to write instead.
+//! Parses numbers of flags; an error states the text to write instead.
 
 use crate::image::LARGEST_SIDE;
 use realistic_camera::Parameters;

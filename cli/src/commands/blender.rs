@@ -4,7 +4,7 @@ use crate::arguments::LensChoice;
 use crate::console;
 use crate::failure::Failure;
 use crate::files::{is_stdout, save};
-use crate::osl::{Asked, Camera, Request, Station, stations};
+use crate::osl::{OslCamera, ShaderRequest, Station, StationRequest, stations};
 use realistic_base::message::fixed;
 use realistic_camera::FocusBy;
 use realistic_optics::prescription::Positions;
@@ -53,13 +53,14 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let could_focus = layout.is_some_and(|layout| layout.steps > 1);
     // Groups focus if the lens file describes how they do.
     let by_groups = parameters.focus_by.map_or(could_focus, |by| by == FocusBy::Group);
-    let asked = Asked { lens: &opened.lens, stop: opened.stop(), zoom: parameters.zoom.as_ref(), by_groups };
-    let (stations, start) = stations(prescription, asked).unwrap_or_else(|error| {
+    let station_request =
+        StationRequest { lens: &opened.lens, stop: opened.stop(), zoom: parameters.zoom.as_ref(), by_groups };
+    let (stations, start) = stations(prescription, station_request).unwrap_or_else(|error| {
         console::warn(&format!("{error}; the shader has the lens as its file begins"));
         (vec![Station::fixed(&opened.lens, 0.0)], 0)
     });
     let coatings = opened.coatings()?;
-    let request = Request {
+    let request = ShaderRequest {
         prescription,
         stations: &stations,
         start,
@@ -69,7 +70,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         could_zoom: layout.is_some_and(|layout| layout.zooms > 1),
         could_focus_by_groups: could_focus,
     };
-    let camera = Camera::of(&request)?;
+    let camera = OslCamera::of(&request)?;
     let out = args.out.clone().unwrap_or_else(|| {
         let name = prescription.name.rsplit('/').next().unwrap_or_default();
         PathBuf::from(format!("{name}.osl"))

@@ -26,10 +26,10 @@ pub struct Args {
 }
 
 /// Maps a sample (u, v) to a point of the unit disk; `None` rejects the sample.
-type Map = fn(f64, f64) -> Option<[f64; 2]>;
+type DiskMap = fn(f64, f64) -> Option<[f64; 2]>;
 
 /// The camera's three mappings, and a wrong one, which crowds the middle.
-const MAPPINGS: [(&str, Map); 4] = [
+const MAPPINGS: [(&str, DiskMap); 4] = [
     ("concentric", |u, v| DiskMapping::Concentric.map(u, v)),
     ("polar, r = sqrt(u)", |u, v| DiskMapping::Polar.map(u, v)),
     ("rejection", |u, v| DiskMapping::Rejection.map(u, v)),
@@ -86,11 +86,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
 
 /// A point with the stratum, column and row, of its sample; `None` for a replacement of a rejected
 /// sample.
-type Point = ([f64; 2], Option<[u32; 2]>);
+type DiskPoint = ([f64; 2], Option<[u32; 2]>);
 
 /// Returns one point for each stratum of the square. Samples of the whole square replace a rejected
 /// one, as in a host.
-fn stratified(map: Map, rng: &mut impl Rng) -> Vec<Point> {
+fn stratified(map: DiskMap, rng: &mut impl Rng) -> Vec<DiskPoint> {
     let cells = (0..STRATA * STRATA).map(|cell| [cell % STRATA, cell / STRATA]);
     cells
         .map(|stratum| {
@@ -104,7 +104,7 @@ fn stratified(map: Map, rng: &mut impl Rng) -> Vec<Point> {
 }
 
 /// Returns a point from independent samples.
-fn again(map: Map, rng: &mut impl Rng) -> [f64; 2] {
+fn again(map: DiskMap, rng: &mut impl Rng) -> [f64; 2] {
     loop {
         if let Some(point) = map(rng.random::<f64>(), rng.random::<f64>()) {
             return point;
@@ -112,12 +112,12 @@ fn again(map: Map, rng: &mut impl Rng) -> [f64; 2] {
     }
 }
 
-fn independent(map: Map, rng: &mut impl Rng) -> Vec<[f64; 2]> {
+fn independent(map: DiskMap, rng: &mut impl Rng) -> Vec<[f64; 2]> {
     (0..POINTS).map(|_| again(map, rng)).collect()
 }
 
 /// Returns the mean discrepancies, RMS and largest, of stratified sets.
-fn discrepancy(map: Map, rng: &mut impl Rng) -> (f64, f64) {
+fn discrepancy(map: DiskMap, rng: &mut impl Rng) -> (f64, f64) {
     let sets = (0..SETS).map(|_| {
         let points: Vec<[f64; 2]> = stratified(map, rng).into_iter().map(|(point, _)| point).collect();
         EdgeDiscrepancy::of(&points)
@@ -136,7 +136,7 @@ const TEXT: [f32; 3] = [0.55, 0.56, 0.58];
 
 /// Draws the points in the colours of their strata: rows have hues, and columns go from dark to
 /// bright.
-fn drawn(points: &[Point], lines: &[String; 2]) -> Option<SrgbImage> {
+fn drawn(points: &[DiskPoint], lines: &[String; 2]) -> Option<SrgbImage> {
     let [width, height] = PANEL.map(f64::from);
     let mut page = Page::on(hex(GROUND), width, height);
     let middle = width / 2.0;
@@ -173,13 +173,13 @@ mod tests {
     fn only_rejection_loses_strata() {
         for (name, map) in MAPPINGS {
             let points = stratified(map, &mut Xoshiro256PlusPlus::seed_from_u64(3));
-            let kept = points.iter().filter(|(_, stratum)| stratum.is_some()).count();
+            let accepted = points.iter().filter(|(_, stratum)| stratum.is_some()).count();
             assert_eq!(points.len(), 256);
             assert!(points.iter().all(|([x, y], _)| x.hypot(*y) <= 1.0 + 1e-12), "{name}");
             match name {
                 // About 1 - π/4 of the samples lie in the corners.
-                "rejection" => assert!((180..225).contains(&kept), "{kept}"),
-                _ => assert_eq!(kept, 256, "{name}"),
+                "rejection" => assert!((180..225).contains(&accepted), "{accepted}"),
+                _ => assert_eq!(accepted, 256, "{name}"),
             }
         }
     }

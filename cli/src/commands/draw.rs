@@ -2,7 +2,7 @@
 
 use crate::arguments::{LensChoice, OpenedLens, whole};
 use crate::console;
-use crate::drawing::{picture, positions, section, shapes::Page};
+use crate::drawing::{output, positions, section, shapes::Page};
 use crate::failure::Failure;
 use realistic_base::message::fixed;
 use realistic_camera::CameraError;
@@ -22,7 +22,7 @@ pub struct Args {
     #[arg(long, value_name = "I,J", allow_hyphen_values = true, value_parser = pair)]
     ghost: Option<[usize; 2]>,
     /// Drawing to write, .svg or .png; - for an .svg on standard output [default: the lens's name with .svg]
-    #[arg(short, long, value_name = "FILE", value_parser = picture::path)]
+    #[arg(short, long, value_name = "FILE", value_parser = output::path)]
     out: Option<PathBuf>,
 }
 
@@ -44,7 +44,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         let name = opened.prescription.name.rsplit('/').next().unwrap_or_default();
         PathBuf::from(format!("{name}.svg"))
     });
-    picture::write(&page, &out)?;
+    output::write(&page, &out)?;
     Ok(console::report(&format!("{}\n", out.display()), &out)?)
 }
 
@@ -80,12 +80,12 @@ fn check_pair(lens: &Lens, pair: [usize; 2]) -> Result<(), Failure> {
 /// Draws the lens as requested.
 fn at_one(args: &Args, opened: &OpenedLens, diagonal: f64) -> Result<Page, Failure> {
     let OpenedLens { prescription, lens, .. } = opened;
-    let film_distance = opened.film_distance_if_any()?.unwrap_or_else(|| stand_in(lens));
+    let film_distance = opened.film_distance_if_any()?.unwrap_or_else(|| fallback_film_distance(lens));
     let [edge_sagitta, _] = lens.rear().sagitta_range();
     if film_distance + edge_sagitta <= 0.0 {
         return Err(CameraError::film_in_lens(lens, film_distance).into());
     }
-    let scene = section::Scene {
+    let options = section::SectionOptions {
         title: prescription.title.as_deref(),
         film_distance,
         film_diagonal: diagonal,
@@ -93,7 +93,7 @@ fn at_one(args: &Args, opened: &OpenedLens, diagonal: f64) -> Result<Page, Failu
         // The flag counts from 1, the library from 0.
         ghost: args.ghost.map(|pair| pair.map(|surface| surface - 1)),
     };
-    Ok(section::draw(lens, &scene))
+    Ok(section::draw(lens, &options))
 }
 
 /// Draws a lens with positions at each of them; `None` if the user requests one.
@@ -115,24 +115,25 @@ fn at_all_positions(args: &Args, opened: &OpenedLens, diagonal: f64) -> Option<P
             .object_distance
             .map_or_else(|| "infinity".to_owned(), |distance| format!("{} mm before it", fixed(distance, 0)));
         let name = position.name.clone().unwrap_or_else(|| format!("position {}", column + 1));
-        Some(positions::Panel {
-            film_distance: film_distance.unwrap_or_else(|| stand_in(&lens)),
+        Some(positions::PositionPanel {
+            film_distance: film_distance.unwrap_or_else(|| fallback_film_distance(&lens)),
             name: format!("{name}, object at {object}"),
             lens,
         })
     };
-    let panels: Option<Vec<positions::Panel>> = listed.columns.iter().enumerate().map(panel).collect();
-    let scene = positions::Scene {
+    let panels: Option<Vec<positions::PositionPanel>> =
+        listed.columns.iter().enumerate().map(panel).collect();
+    let options = positions::PositionsOptions {
         title: prescription.title.as_deref(),
         gaps: &listed.gaps,
         film_diagonal: diagonal,
         rays: args.rays,
     };
-    Some(positions::draw(&panels?, &scene))
+    Some(positions::draw(&panels?, &options))
 }
 
 /// Returns a film distance for a lens that makes no image: it still lets light through to film behind it.
-fn stand_in(lens: &Lens) -> f64 {
+fn fallback_film_distance(lens: &Lens) -> f64 {
     let rear = lens.rear();
     let room = -2.0 * rear.sagitta_range()[0];
     let size = FirstOrder::of(lens).map_or(2.0 * rear.semi_diameter, |optics| optics.focal_length.abs());

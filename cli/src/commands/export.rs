@@ -8,7 +8,7 @@ use crate::export::{
 };
 use crate::failure::Failure;
 use crate::files;
-use crate::image::check_room;
+use crate::image::check_memory;
 use realistic_base::message::short;
 use realistic_light::{Surfaces, TStop};
 use realistic_optics::{
@@ -26,7 +26,7 @@ pub struct Args {
     lens: LensChoice,
     /// Format of the export
     #[arg(long = "as", value_name = "MODEL", value_enum)]
-    format: Format,
+    format: ExportFormat,
     /// Size of the film, in pixels
     #[arg(long, value_name = "WxH", default_value = "1920x1280", value_parser = size)]
     size: [u32; 2],
@@ -45,7 +45,7 @@ const WORDS: &str = "Every export is of the lens as it is focused, stopped and z
 
 /// The formats of exports.
 #[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-enum Format {
+enum ExportFormat {
     /// `OpenCV`'s pinhole with k1, k2, p1, p2, k3, a file for cv2.FileStorage
     #[value(name = "opencv")]
     OpenCv,
@@ -72,7 +72,7 @@ enum Format {
     Spot,
 }
 
-impl Format {
+impl ExportFormat {
     fn model(self) -> Option<Model> {
         match self {
             Self::OpenCv => Some(Model::OpenCv),
@@ -120,12 +120,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let format = args.format;
     let out = out(args)?;
     let opened = match format {
-        Format::OpenTrackIo => args.lens.open_with_transmission()?,
+        ExportFormat::OpenTrackIo => args.lens.open_with_transmission()?,
         _ => args.lens.open()?,
     };
     if format.is_map() && out.is_some() {
         // A pixel takes up to six floats in each of four copies: rows, the whole, channels and the file.
-        check_room(args.size, 4 * 6 * 4)?;
+        check_memory(args.size, 4 * 6 * 4)?;
     }
     let lens = &opened.lens;
     let film_distance = opened.film_distance()?;
@@ -140,8 +140,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let fitted = format.model().map(|model| model.fitted(&field));
     let errors = match (format, &fitted) {
         (_, Some(fitted)) => Some(Errors::of_model(fitted, &field)),
-        (Format::StMap, _) => Some(Errors::of_map(Quantity::Tangent, &field)),
-        (Format::Rays, _) => Some(Errors::of_map(Quantity::Angle, &field)),
+        (ExportFormat::StMap, _) => Some(Errors::of_map(Quantity::Tangent, &field)),
+        (ExportFormat::Rays, _) => Some(Errors::of_map(Quantity::Angle, &field)),
         _ => None,
     };
     let numbers =
@@ -181,9 +181,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     };
     let (mut more, mut lines) = (vec![], vec![]);
     match format {
-        Format::StMap => {
+        ExportFormat::StMap => {
             if let Some(out) = out {
-                let names = ["undistort", "distort"].map(|way| beside(out, way));
+                let names = ["undistort", "distort"].map(|direction| beside(out, direction));
                 for (map, path) in st_maps(&field).iter().zip(&names) {
                     save_map(path, map)?;
                 }
@@ -191,12 +191,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             }
             more.push(("pinhole_focal_length_px", json!(field.central_scale())));
         }
-        Format::Rays => {
+        ExportFormat::Rays => {
             if let Some(out) = out {
                 save_map(out, &rays(&field))?;
             }
         }
-        Format::Illumination => {
+        ExportFormat::Illumination => {
             let light = illumination(lens, here, &field)?;
             if let Some(out) = out {
                 save_map(out, &light.map())?;
@@ -209,7 +209,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             ));
             more.push(("illumination", light.json()));
         }
-        Format::Spot => {
+        ExportFormat::Spot => {
             let spots = spots(lens, &field);
             if let Some(out) = out {
                 let lines: String = spots.iter().map(Spot::line).collect();
@@ -221,7 +221,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         _ => {
             let fitted = fitted.as_ref().expect("a model");
             let errors = errors.expect("of a model");
-            if format == Format::OpenTrackIo {
+            if format == ExportFormat::OpenTrackIo {
                 let other = Model::OpenCvRational.fitted(&field);
                 let reverse = Errors::of_model(&other, &field);
                 more.push(("radial_from_undistorted_per_mm", json!(other.radial_from_undistorted())));
@@ -279,16 +279,16 @@ fn out(args: &Args) -> Result<Option<&Path>, Failure> {
             )));
         }
         if !files::is_stdout(out) {
-            files::make_room(out)?;
+            files::make_parent(out)?;
         }
     }
     Ok(out)
 }
 
 /// Returns the path of a map beside another.
-fn beside(out: &Path, way: &str) -> PathBuf {
+fn beside(out: &Path, direction: &str) -> PathBuf {
     let ending = out.extension().unwrap_or_default().to_string_lossy();
-    out.with_extension(format!("{way}.{ending}"))
+    out.with_extension(format!("{direction}.{ending}"))
 }
 
 /// Whether all numbers of an export are valid: outside its quoted texts there is no NaN, no infinity and no JSON
@@ -310,7 +310,7 @@ fn illumination(lens: &Lens, film: Film, field: &ChiefField) -> Result<Illuminat
 
 /// Writes the file of a model.
 fn text(
-    format: Format,
+    format: ExportFormat,
     data: &LensData<'_>,
     fitted: &Fitted,
     errors: &Errors,
@@ -318,13 +318,13 @@ fn text(
     field: &ChiefField,
 ) -> Result<String, Failure> {
     Ok(match format {
-        Format::FTheta => ftheta_usda(data, fitted),
-        Format::OpenTrackIo => {
+        ExportFormat::FTheta => ftheta_usda(data, fitted),
+        ExportFormat::OpenTrackIo => {
             let other = Model::OpenCvRational.fitted(field);
             let light = illumination(lens, field.film, field)?;
             format!("{:#}\n", opentrackio_json(data, fitted, &other, Some(&light)))
         }
-        Format::Usd => {
+        ExportFormat::Usd => {
             let light = illumination(lens, field.film, field)?;
             usda(data, field, Some(&light), errors.worst)
         }

@@ -2,7 +2,7 @@
 
 use crate::arguments::{LensChoice, OpenedLens, positive};
 use crate::console;
-use crate::drawing::{depth, picture};
+use crate::drawing::{depth, output};
 use crate::failure::Failure;
 use realistic_base::message::{as_given, fixed, short};
 use realistic_camera::{FocusBy, ParameterError};
@@ -26,7 +26,7 @@ pub struct Args {
     #[arg(long, value_name = "MM", allow_hyphen_values = true, value_parser = positive)]
     coc: Option<f64>,
     /// Draw the depth of field to this file, .svg or .png; - for an .svg on standard output
-    #[arg(short, long, value_name = "FILE", value_parser = picture::path)]
+    #[arg(short, long, value_name = "FILE", value_parser = output::path)]
     out: Option<PathBuf>,
     /// Write JSON; null means infinite or absent
     #[arg(long)]
@@ -42,7 +42,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let lens = &opened.lens;
     let given = opened.parameters();
     let diagonal = opened.film_diagonal();
-    let scale = Scale { diagonal, confusion: args.coc.unwrap_or(diagonal / PER_DIAGONAL) };
+    let scale = FilmScale { diagonal, confusion: args.coc.unwrap_or(diagonal / PER_DIAGONAL) };
     let by_groups = given.focus_by == Some(FocusBy::Group);
     let answer = match (given.focus_distance, given.film_distance) {
         (Some(_), Some(_)) => {
@@ -60,14 +60,14 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             if by_groups {
                 let [nearest, _] = opened.group_reach()?;
                 let focused = Conjugates { object_distance, film_distance: opened.film_distance()? };
-                Answer::by_groups(&opened, scale, focused, nearest)
+                FocusAnswer::by_groups(&opened, scale, focused, nearest)
             } else {
-                Answer::of(lens, scale, |focus| {
+                FocusAnswer::of(lens, scale, |focus| {
                     Ok(Conjugates { object_distance, film_distance: focus.film_distance(object_distance)? })
                 })
             }
         }
-        (None, Some(film_distance)) => Answer::of(lens, scale, |focus| in_focus(focus, film_distance)),
+        (None, Some(film_distance)) => FocusAnswer::of(lens, scale, |focus| in_focus(focus, film_distance)),
     };
     let answer = answer.map_err(|error| Failure::Other(error.to_string()))?;
     let mut text = if args.json { format!("{:#}\n", answer.json(lens)) } else { answer.text() };
@@ -77,14 +77,14 @@ pub fn run(args: &Args) -> Result<(), Failure> {
                 "there is no depth of field to draw: leave out --out, or focus on an object".to_owned(),
             )
         })?;
-        let drawing = depth::Drawing {
+        let drawing = depth::DepthDrawing {
             title: format!("{}: depth of field", lens.name),
             focus: answer.focused.object_distance,
             nearest: answer.nearest.object_distance,
             depth,
             confusion: answer.scale.confusion,
         };
-        picture::write(&depth::draw(&drawing), out)?;
+        output::write(&depth::draw(&drawing), out)?;
         if !args.json {
             text += &format!("drawn            {}\n", out.display());
         }
@@ -97,7 +97,7 @@ const PER_DIAGONAL: f64 = 1442.0;
 
 /// The film's diagonal and the circle of confusion, mm.
 #[derive(Clone, Copy, Debug)]
-struct Scale {
+struct FilmScale {
     diagonal: f64,
     confusion: f64,
 }
@@ -115,14 +115,14 @@ fn in_focus(focus: &Focus, film_distance: f64) -> Result<Conjugates, Unfocused> 
     Ok(Conjugates { object_distance, film_distance })
 }
 
-struct Answer {
+struct FocusAnswer {
     focused: Conjugates,
     by_groups: bool,
     /// Whether the film lies before the image of infinity, so that nothing is quite sharp.
     beyond_infinity: bool,
     paraxial: Option<f64>,
     nearest: Conjugates,
-    scale: Scale,
+    scale: FilmScale,
     depth: Option<DepthOfField>,
 }
 
@@ -150,7 +150,7 @@ fn paraxial_film_distance(
     let infinity = optics.back_focal_distance();
     let near_infinity = focus.paraxial_film_distance(focused.object_distance);
     Ok(near_infinity.map(|film| {
-        // By Newton's equation, the product of their distances from the focal point is f².
+        // Newton's equation: the product of their distances from the focal point is f².
         let is_other = focused.film_distance > nearest.film_distance;
         if is_other { infinity + optics.focal_length.powi(2) / (film - infinity) } else { film }
     }))
@@ -166,11 +166,11 @@ fn depth_of_field(
     Ok(DepthOfField::of(lens, &entrance, film_distance, object_distance, confusion)?)
 }
 
-impl Answer {
+impl FocusAnswer {
     /// Makes the answer for a lens that moves as a whole, focused by `focused`.
     fn of(
         lens: &Lens,
-        scale: Scale,
+        scale: FilmScale,
         focused: impl FnOnce(&Focus) -> Result<Conjugates, Unfocused>,
     ) -> Result<Self, Unfocused> {
         let focus = Focus::new(lens)?;
@@ -193,7 +193,7 @@ impl Answer {
     /// Makes the answer for a lens whose groups are placed to focus on `focused`, and can focus as near as `nearest`.
     fn by_groups(
         opened: &OpenedLens,
-        scale: Scale,
+        scale: FilmScale,
         focused: Conjugates,
         nearest: Conjugates,
     ) -> Result<Self, Unfocused> {

@@ -2,7 +2,7 @@
 
 use crate::arguments::{FilmSize, LensChoice, not_negative};
 use crate::console;
-use crate::drawing::{outline as drawing, picture};
+use crate::drawing::{outline as drawing, output};
 use crate::failure::Failure;
 use realistic_base::message::{as_given, fixed};
 use realistic_camera::CameraError;
@@ -29,7 +29,7 @@ pub struct Args {
     #[arg(long)]
     json: bool,
     /// Draw the outline to this file, .svg or .png; - for an .svg on standard output
-    #[arg(short, long, value_name = "FILE", value_parser = picture::path)]
+    #[arg(short, long, value_name = "FILE", value_parser = output::path)]
     out: Option<PathBuf>,
 }
 
@@ -48,13 +48,13 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         let name = lens.name.rsplit('/').next().unwrap_or(&lens.name);
         let edge: Vec<[f64; 2]> = sight.edge();
         let map = sight.map();
-        let drawn = drawing::Drawing {
+        let drawn = drawing::PupilDrawing {
             title: format!("{name}: the pupil of the film point at {} mm", as_given(args.film_radius)),
             edge: &edge,
             map: &map,
             disks: disks.map(|(name, disk)| (name, sight.on_plane(disk.center), disk.radius * film_distance)),
         };
-        picture::write(&drawing::draw(&drawn), out)?;
+        output::write(&drawing::draw(&drawn), out)?;
     }
     let text = if args.json { format!("{:#}\n", sight.json(lens)) } else { sight.text() };
     let drawn = args.out.as_ref().filter(|_| !args.json);
@@ -189,7 +189,7 @@ impl Sight {
             let (low, high) = (values().fold(f64::MAX, f64::min), values().fold(f64::MIN, f64::max));
             format!("{} to {}", fixed(low, 4), fixed(high, 4))
         };
-        // By symmetry its y is 0, whatever the rounding error of the sum.
+        // Symmetry makes its y 0, whatever the rounding error of the sum.
         let [x, _] = self.on_plane(outline.center);
         let shape = match (outline.pieces, outline.star_shaped) {
             (1, true) => "one piece, star-shaped about its centre".to_owned(),

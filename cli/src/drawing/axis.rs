@@ -1,8 +1,8 @@
-//! Logarithmic scales: numbers in; positions in pixels and labelled ticks out.
+//! Logarithmic scales: takes numbers; returns positions in pixels and labelled ticks.
 
 /// A map from positive numbers to pixels, by their logarithm.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scale {
+pub struct LogScale {
     /// Smallest and largest number shown.
     pub range: [f64; 2],
     /// Pixels of the smallest and the largest number.
@@ -18,7 +18,7 @@ pub struct Tick {
     pub label: Option<String>,
 }
 
-impl Scale {
+impl LogScale {
     /// Makes a scale that shows all the numbers with a margin.
     pub fn around(numbers: impl Iterator<Item = f64>, pixels: [f64; 2]) -> Self {
         let numbers = numbers.filter(|number| number.is_finite() && *number > 0.0);
@@ -33,7 +33,7 @@ impl Scale {
     }
 
     /// Returns the pixel of a number; numbers beyond the range lie on its edge.
-    pub fn place(&self, number: f64) -> f64 {
+    pub fn position(&self, number: f64) -> f64 {
         let [low, high] = self.range.map(f64::log10);
         let share = ((number.max(f64::MIN_POSITIVE).log10() - low) / (high - low)).clamp(0.0, 1.0);
         self.pixels[0] + share * (self.pixels[1] - self.pixels[0])
@@ -83,21 +83,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn places_are_linear_in_the_logarithm_and_stay_inside() {
-        let scale = Scale { range: [1.0, 100.0], pixels: [0.0, 200.0] };
-        assert_eq!([1.0, 10.0, 100.0].map(|x| scale.place(x)), [0.0, 100.0, 200.0]);
-        assert_eq!([0.0, -1.0, 1e9].map(|x| scale.place(x)), [0.0, 0.0, 200.0]);
+    fn positions_are_linear_in_the_logarithm_and_stay_inside() {
+        let scale = LogScale { range: [1.0, 100.0], pixels: [0.0, 200.0] };
+        assert_eq!([1.0, 10.0, 100.0].map(|x| scale.position(x)), [0.0, 100.0, 200.0]);
+        assert_eq!([0.0, -1.0, 1e9].map(|x| scale.position(x)), [0.0, 0.0, 200.0]);
         let all = [3e-5, 0.2, 7.0];
-        let scale = Scale::around(all.into_iter().chain([f64::NAN, 0.0]), [500.0, 0.0]);
-        assert!(all.iter().all(|x| (10.0..490.0).contains(&scale.place(*x))));
-        assert!(scale.place(3e-5) > scale.place(7.0));
-        assert_eq!(Scale::around(std::iter::empty(), [0.0, 1.0]).range, [0.1, 10.0]);
+        let scale = LogScale::around(all.into_iter().chain([f64::NAN, 0.0]), [500.0, 0.0]);
+        assert!(all.iter().all(|x| (10.0..490.0).contains(&scale.position(*x))));
+        assert!(scale.position(3e-5) > scale.position(7.0));
+        assert_eq!(LogScale::around(std::iter::empty(), [0.0, 1.0]).range, [0.1, 10.0]);
     }
 
     #[test]
     fn ticks_are_exact_decimals_in_range_with_room_between_labels() {
         for range in [[1e-17, 1e-2], [0.003, 2e5], [4.0, 60.0], [0.9, 11.0]] {
-            let scale = Scale { range, pixels: [0.0, 420.0] };
+            let scale = LogScale { range, pixels: [0.0, 420.0] };
             let ticks = scale.ticks(30.0);
             let labelled: Vec<_> = ticks.iter().filter(|tick| tick.label.is_some()).collect();
             assert!(labelled.len() >= 2, "{range:?}");
@@ -107,7 +107,7 @@ mod tests {
             }
             for pair in labelled.windows(2) {
                 assert!(
-                    scale.place(pair[1].value) - scale.place(pair[0].value) >= 30.0,
+                    scale.position(pair[1].value) - scale.position(pair[0].value) >= 30.0,
                     "{range:?}: {pair:?}"
                 );
             }

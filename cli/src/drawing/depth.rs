@@ -1,6 +1,6 @@
 //! The depth of field as a range of distances from the film, on a logarithmic scale.
 
-use super::axis::Scale;
+use super::axis::LogScale;
 use super::labels::spread;
 use super::shapes::{Anchor, Page, SMALL, Stroke, text_width};
 use super::{COLORS, FAINT, INK};
@@ -9,7 +9,7 @@ use realistic_optics::imaging::focus::DepthOfField;
 
 /// Data of the drawing; distances in mm from the film, all but the nearest may be infinite.
 #[derive(Clone, Debug)]
-pub struct Drawing {
+pub struct DepthDrawing {
     /// The title.
     pub title: String,
     /// The plane in focus.
@@ -25,7 +25,7 @@ pub struct Drawing {
 const WIDTH: f64 = 900.0;
 const HEIGHT: f64 = 300.0;
 const LEFT: f64 = 40.0;
-/// End of the logarithmic scale; infinity has its place at the page's edge.
+/// End of the logarithmic scale; infinity is drawn near the page's edge.
 const RIGHT: f64 = 780.0;
 const INFINITY_AT: f64 = 850.0;
 const SCALE_AT: f64 = 200.0;
@@ -34,7 +34,7 @@ const BAR_AT: f64 = 150.0;
 const NAMES_AT: f64 = 96.0;
 
 /// Draws the depth of field.
-pub fn draw(drawing: &Drawing) -> Page {
+pub fn draw(drawing: &DepthDrawing) -> Page {
     let DepthOfField { near, far, hyperfocal } = drawing.depth;
     let marks = [
         ("nearest focus", drawing.nearest, FAINT),
@@ -47,9 +47,9 @@ pub fn draw(drawing: &Drawing) -> Page {
         || marks.iter().map(|mark| mark.1).filter(|distance| distance.is_finite() && *distance > 0.0);
     let low = finite().fold(f64::MAX, f64::min) / 1.25;
     let high = finite().fold(f64::MIN_POSITIVE, f64::max) * 1.25;
-    let scale = Scale { range: [low, high], pixels: [LEFT, RIGHT] };
+    let scale = LogScale { range: [low, high], pixels: [LEFT, RIGHT] };
     let at = |distance: f64| {
-        if distance.is_finite() { scale.place(distance) } else { INFINITY_AT }
+        if distance.is_finite() { scale.position(distance) } else { INFINITY_AT }
     };
     let mut page = Page::new(WIDTH, HEIGHT);
     page.title(&drawing.title, LEFT, WIDTH - 2.0 * LEFT);
@@ -66,11 +66,14 @@ pub fn draw(drawing: &Drawing) -> Page {
     let names = sorted.map(|(name, distance, _)| format!("{name} {}", metres(distance)));
     let anchors = sorted.map(|(_, distance, _)| at(distance));
     let widths = [0, 1, 2, 3, 4].map(|i| text_width(&names[i], SMALL));
-    let places = spread(&anchors, &widths, [LEFT / 2.0, WIDTH - LEFT / 2.0]);
+    let positions = spread(&anchors, &widths, [LEFT / 2.0, WIDTH - LEFT / 2.0]);
     for (i, (_, _, color)) in sorted.iter().enumerate() {
         let stroke = Stroke::new(color, 1.5);
-        page.line([[places[i], NAMES_AT + 8.0], [anchors[i], BAR_AT - 20.0], [anchors[i], SCALE_AT]], stroke);
-        page.text(&names[i], [places[i], NAMES_AT], SMALL, Anchor::Middle, INK);
+        page.line(
+            [[positions[i], NAMES_AT + 8.0], [anchors[i], BAR_AT - 20.0], [anchors[i], SCALE_AT]],
+            stroke,
+        );
+        page.text(&names[i], [positions[i], NAMES_AT], SMALL, Anchor::Middle, INK);
     }
     let confusion = drawing.confusion;
     let foot =
@@ -81,7 +84,7 @@ pub fn draw(drawing: &Drawing) -> Page {
 
 /// Returns round distances in the scale's range with their names: 1, 2 and 5 per decade, or 1 alone if they would
 /// crowd.
-fn ticks(scale: &Scale) -> impl Iterator<Item = (f64, String)> {
+fn ticks(scale: &LogScale) -> impl Iterator<Item = (f64, String)> {
     const ROOM: f64 = 40.0;
     let labelled = scale.ticks(ROOM).into_iter().filter(|tick| tick.label.is_some());
     labelled.map(|tick| (tick.value, metres(tick.value)))
@@ -104,10 +107,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_range_is_drawn_with_its_limits_and_infinity_has_a_place() {
+    fn the_range_is_drawn_with_its_limits_and_infinity_has_a_position() {
         let depth = DepthOfField { near: 960.1, far: f64::INFINITY, hyperfocal: 20257.3 };
         let drawing =
-            Drawing { title: "t".to_owned(), focus: 1000.0, nearest: 197.0, depth, confusion: 0.06 };
+            DepthDrawing { title: "t".to_owned(), focus: 1000.0, nearest: 197.0, depth, confusion: 0.06 };
         let picture = draw(&drawing).to_string();
         for text in ["near limit 0.96 m", "in focus 1 m", "far limit infinity", "hyperfocal 20.3 m", "0.06"] {
             assert!(picture.contains(text), "{text}: {picture}");
@@ -118,7 +121,7 @@ mod tests {
     #[test]
     fn ticks_are_round_and_inside() {
         let ticks =
-            |low, high| ticks(&Scale { range: [low, high], pixels: [LEFT, RIGHT] }).collect::<Vec<_>>();
+            |low, high| ticks(&LogScale { range: [low, high], pixels: [LEFT, RIGHT] }).collect::<Vec<_>>();
         let names: Vec<String> = ticks(450.0, 6000.0).into_iter().map(|(_, name)| name).collect();
         assert_eq!(names, ["0.5 m", "1 m", "2 m", "5 m"]);
         assert!(ticks(100.0, 1e8).iter().all(|(distance, _)| distance.log10().fract() == 0.0));

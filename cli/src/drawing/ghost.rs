@@ -8,7 +8,7 @@ use realistic_optics::trace::{Direction, Path};
 pub type Pair = [usize; 2];
 
 /// Traces `count` rays parallel to the axis, spread over the front surface. They are reflected at the second surface of
-/// the pair, on the way back at the first, and go on to the film at z = `film`.
+/// the pair, then at the first, and go on to the film at z = `film`.
 pub fn rays(lens: &Lens, film: f64, [near, far]: Pair, count: u32) -> Vec<TracedRay> {
     let path = Path::<f64>::reflected(lens, Direction::SceneToFilm, Refraction::Fused, [near, far]);
     let front = lens.front();

@@ -1,4 +1,4 @@
-//! Outlines of a lens's elements: a lens in; closed lines in mm as (z, y) out.
+//! Outlines of a lens's elements: takes a lens; returns closed lines in mm as (z, y).
 
 use realistic_optics::lens::{Lens, Surface};
 
@@ -24,11 +24,11 @@ pub fn elements(lens: &Lens) -> Vec<Vec<[f64; 2]>> {
         .map(|pair| {
             let radius = pair[0].semi_diameter.max(pair[1].semi_diameter);
             let mut outline = arc(&pair[0]);
-            let rim =
+            let edge_point =
                 |surface: &Surface, y: f64| [surface.vertex + surface.sagitta(surface.semi_diameter), y];
-            outline.extend([rim(&pair[0], radius), rim(&pair[1], radius)]);
+            outline.extend([edge_point(&pair[0], radius), edge_point(&pair[1], radius)]);
             outline.extend(arc(&pair[1]).into_iter().rev());
-            outline.extend([rim(&pair[1], -radius), rim(&pair[0], -radius)]);
+            outline.extend([edge_point(&pair[1], -radius), edge_point(&pair[0], -radius)]);
             outline
         })
         .collect()
@@ -40,7 +40,7 @@ mod tests {
     use realistic_optics::prescription::{catalogue, read};
 
     #[test]
-    fn an_element_is_closed_by_its_rim() {
+    fn an_element_is_closed_by_its_edge() {
         let lens = Lens::at_d_line(&read("t", b"10 4 1.5 8\n-20 0 1 12\n").unwrap());
         let [outline] = &elements(&lens)[..] else { panic!("one element") };
         let highest = outline.iter().map(|point| point[1]).fold(0.0, f64::max);

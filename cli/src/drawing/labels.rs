@@ -1,5 +1,5 @@
-//! Texts in a row, each as near as possible to its anchor, without overlap: anchors and widths in; positions from
-//! isotonic regression out.
+//! Texts in a row, each as near as possible to its anchor, without overlap: takes anchors and widths; returns positions
+//! by isotonic regression.
 
 /// Space between two texts, pixels.
 const GAP: f64 = 14.0;

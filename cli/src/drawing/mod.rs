@@ -1,7 +1,7 @@
 //! Drawings of a lens, a pupil and a depth of field: SVG, and PNG rasterised from the same SVG.
 //!
 //! [`view`] maps millimetres to the page, and [`axis`] numbers to a logarithmic scale. [`shapes`] has the page's lines,
-//! areas and texts, [`labels`] keeps texts apart, and [`picture`] writes the file. The drawings are [`section`],
+//! areas and texts, [`labels`] keeps texts apart, and [`output`] writes the file. The drawings are [`section`],
 //! [`positions`], [`catalogue`], [`outline`] and [`depth`]; [`glass`], [`rays`], [`ghost`] and [`marks`] are parts of
 //! the first three.
 
@@ -13,7 +13,7 @@ pub mod glass;
 pub mod labels;
 pub mod marks;
 pub mod outline;
-pub mod picture;
+pub mod output;
 pub mod positions;
 pub mod rays;
 pub mod section;

@@ -7,7 +7,7 @@ use realistic_base::message::fixed;
 
 /// Data of the drawing; all in mm in the rear vertex plane.
 #[derive(Clone, Debug)]
-pub struct Drawing<'a> {
+pub struct PupilDrawing<'a> {
     /// The title.
     pub title: String,
     /// Points of the outline; empty for an empty pupil.
@@ -24,7 +24,7 @@ const HEAD: f64 = 70.0;
 const FOOT: f64 = 80.0;
 
 /// Draws the outline as seen from the film: x grows to the right, y upward.
-pub fn draw(drawing: &Drawing<'_>) -> Page {
+pub fn draw(drawing: &PupilDrawing<'_>) -> Page {
     let reach = |axis: usize| {
         let disks = drawing.disks.iter().flat_map(|(_, center, radius)| {
             [center[axis] - radius, center[axis] + radius].into_iter().filter(|x| x.is_finite())
@@ -67,11 +67,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_pupil_is_drawn_to_scale_and_an_empty_one_said() {
+    fn a_pupil_is_drawn_to_scale_and_an_empty_one_is_stated() {
         let edge = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]];
         let disks = [("rear", [0.0, 0.0], 2.0), ("disk", [0.5, 0.0], 1.0)];
         let map = [vec![[0.0, 0.0], [1.0, 0.0]]];
-        let full = draw(&Drawing { title: "t".to_owned(), edge: &edge, map: &map, disks }).to_string();
+        let full = draw(&PupilDrawing { title: "t".to_owned(), edge: &edge, map: &map, disks }).to_string();
         assert!(full.contains("the pupil") && full.contains("rear: 2.00 mm"));
         assert_eq!(full.matches("stroke-width=\"0.7\"").count(), 1);
         // 4 mm with a margin of a tenth, over 720 by at most 700 pixels, give the disks' radii in
@@ -81,7 +81,7 @@ mod tests {
             let circle = format!("r=\"{radius}");
             assert!(full.contains(&circle[..7]), "{circle}: {full}");
         }
-        let empty = draw(&Drawing { title: "t".to_owned(), edge: &[], map: &[], disks }).to_string();
+        let empty = draw(&PupilDrawing { title: "t".to_owned(), edge: &[], map: &[], disks }).to_string();
         assert!(empty.contains("no light gets through"));
     }
 }

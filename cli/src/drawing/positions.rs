@@ -10,7 +10,7 @@ use realistic_optics::lens::Lens;
 
 /// A position.
 #[derive(Clone, Debug)]
-pub struct Panel {
+pub struct PositionPanel {
     /// The lens at this position.
     pub lens: Lens,
     /// Name of the position.
@@ -21,7 +21,7 @@ pub struct Panel {
 
 /// Data of the drawing besides the lens.
 #[derive(Clone, Copy, Debug)]
-pub struct Scene<'a> {
+pub struct PositionsOptions<'a> {
     /// The lens file's title.
     pub title: Option<&'a str>,
     /// Surfaces before gaps that change.
@@ -41,11 +41,11 @@ const FOOT: f64 = 80.0;
 const HEIGHTS: [f64; 2] = [100.0, 300.0];
 
 /// Draws the positions, at least one.
-pub fn draw(panels: &[Panel], scene: &Scene<'_>) -> Page {
-    let half = scene.film_diagonal / 2.0;
-    let film = |panel: &Panel| panel.lens.rear().vertex - panel.film_distance;
+pub fn draw(panels: &[PositionPanel], options: &PositionsOptions<'_>) -> Page {
+    let half = options.film_diagonal / 2.0;
+    let film = |panel: &PositionPanel| panel.lens.rear().vertex - panel.film_distance;
     // Distances are measured from the film, to the left.
-    let reach = |panel: &Panel| {
+    let reach = |panel: &PositionPanel| {
         let surfaces = panel.lens.surfaces.iter();
         let front =
             surfaces.flat_map(|s| [s.vertex, s.vertex + s.sagitta(s.semi_diameter)]).fold(0.0, f64::max);
@@ -64,7 +64,7 @@ pub fn draw(panels: &[Panel], scene: &Scene<'_>) -> Page {
     let step = BETWEEN + shared.frame.height;
     let mut page = Page::new(WIDTH, HEAD + panels.len() as f64 * step + FOOT);
     let first = &panels[0].lens;
-    section::title(&mut page, first, &format!("{} positions", panels.len()), scene.title);
+    section::title(&mut page, first, &format!("{} positions", panels.len()), options.title);
 
     let views: Vec<View> = panels
         .iter()
@@ -79,16 +79,16 @@ pub fn draw(panels: &[Panel], scene: &Scene<'_>) -> Page {
     for (panel, view) in panels.iter().zip(&views) {
         let text = format!("{}:  {}", panel.name, section::numbers(&panel.lens));
         page.text(&text, [MARGIN, view.frame.top - 8.0], SMALL, Anchor::Start, INK);
-        section::body(&mut page, view, &panel.lens);
+        section::draw_lens(&mut page, view, &panel.lens);
         let rays = Rays::new(&panel.lens, film(panel));
-        legend = section::bundles(&mut page, view, &rays, half, scene.rays);
+        legend = section::bundles(&mut page, view, &rays, half, options.rays);
         section::film_line(&mut page, view, film(panel), half);
     }
     // The first vertex of each group; the last gap is the film's.
     let last = first.surfaces.len() - 1;
-    let groups = std::iter::once(0).chain(scene.gaps.iter().filter(|gap| **gap < last).map(|gap| gap + 1));
+    let groups = std::iter::once(0).chain(options.gaps.iter().filter(|gap| **gap < last).map(|gap| gap + 1));
     for surface in groups {
-        let axis = |panel: &Panel, view: &View| view.at([-panel.lens.surfaces[surface].vertex, 0.0]);
+        let axis = |panel: &PositionPanel, view: &View| view.at([-panel.lens.surfaces[surface].vertex, 0.0]);
         for (pair, view) in panels.windows(2).zip(views.windows(2)) {
             let ends = [0, 1].map(|i| axis(&pair[i], &view[i]));
             page.line(ends, LEADER.dashed("3 3"));
@@ -110,11 +110,15 @@ mod tests {
     #[test]
     fn positions_stand_above_each_other_with_their_films_in_line() {
         let lens = Lens::at_d_line(&catalogue::find("dgauss.50mm").unwrap());
-        let panel =
-            |name: &str, film_distance| Panel { lens: lens.clone(), name: name.to_owned(), film_distance };
+        let panel = |name: &str, film_distance| PositionPanel {
+            lens: lens.clone(),
+            name: name.to_owned(),
+            film_distance,
+        };
         let panels = [panel("far", 36.0), panel("near", 46.0)];
-        let scene = Scene { title: Some("a title"), gaps: &[2, 9], film_diagonal: 35.0, rays: 5 };
-        let text = draw(&panels, &scene).to_string();
+        let options =
+            PositionsOptions { title: Some("a title"), gaps: &[2, 9], film_diagonal: 35.0, rays: 5 };
+        let text = draw(&panels, &options).to_string();
         assert!(text.contains("far:") && text.contains("near:") && text.contains("2 positions"));
         assert!(!text.contains("NaN") && !text.contains("inf"));
         // The films are the thickest lines.

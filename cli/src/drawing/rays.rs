@@ -1,4 +1,4 @@
-//! Rays as lines: a lens and film in; for every ray of a bundle its points on all surfaces out.
+//! Rays as lines: takes a lens and a film; returns for every ray of a bundle its points on all surfaces.
 
 use realistic_optics::lens::Lens;
 use realistic_optics::trace::{Path, Ray};

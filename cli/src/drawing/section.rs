@@ -2,7 +2,7 @@
 
 use super::ghost::{self, Pair};
 use super::labels::spread;
-use super::marks::{self, Form, Mark};
+use super::marks::{self, AxialMark, MarkForm};
 use super::rays::{Rays, TracedRay};
 use super::shapes::{AXIS, Anchor, LARGE, LEADER, Page, SMALL, Stroke, fitted, text_width};
 use super::view::View;
@@ -13,7 +13,7 @@ use realistic_optics::lens::{Lens, first_order::FirstOrder};
 
 /// Data of the drawing besides the lens.
 #[derive(Clone, Copy, Debug)]
-pub struct Scene<'a> {
+pub struct SectionOptions<'a> {
     /// The lens file's title.
     pub title: Option<&'a str>,
     /// Last vertex to film, mm.
@@ -42,19 +42,19 @@ const BLOCKED: f64 = 0.35;
 const PUPIL_MOST: f64 = 2.0;
 
 /// Draws the lens.
-pub fn draw(lens: &Lens, scene: &Scene<'_>) -> Page {
-    let film = lens.rear().vertex - scene.film_distance;
+pub fn draw(lens: &Lens, options: &SectionOptions<'_>) -> Page {
+    let film = lens.rear().vertex - options.film_distance;
     let marks = marks::all(lens);
-    let view = window(lens, film, scene.film_diagonal, &marks);
+    let view = window(lens, film, options.film_diagonal, &marks);
     let mut page = Page::new(WIDTH, HEAD + view.frame.height + FOOT);
-    title(&mut page, lens, &numbers(lens), scene.title);
+    title(&mut page, lens, &numbers(lens), options.title);
 
-    body(&mut page, &view, lens);
-    let half = scene.film_diagonal / 2.0;
-    let legend = match scene.ghost {
-        None => bundles(&mut page, &view, &Rays::new(lens, film), half, scene.rays),
+    draw_lens(&mut page, &view, lens);
+    let half = options.film_diagonal / 2.0;
+    let legend = match options.ghost {
+        None => bundles(&mut page, &view, &Rays::new(lens, film), half, options.rays),
         Some(pair) => {
-            let traced = ghost::rays(lens, film, pair, scene.rays);
+            let traced = ghost::rays(lens, film, pair, options.rays);
             lines(&mut page, &view, traced, COLORS[2]);
             let [near, far] = pair.map(|surface| surface + 1);
             let name = format!("reflected at surface {far}, and then {near}, light along the axis");
@@ -68,7 +68,7 @@ pub fn draw(lens: &Lens, scene: &Scene<'_>) -> Page {
 }
 
 /// Draws the axis, glass, interfaces and stop.
-pub(super) fn body(page: &mut Page, view: &View, lens: &Lens) {
+pub(super) fn draw_lens(page: &mut Page, view: &View, lens: &Lens) {
     let on_page = |points: &[[f64; 2]]| points.iter().map(|&[z, y]| view.at([-z, y])).collect::<Vec<_>>();
     page.line(on_page(&[[-view.across[0], 0.0], [-view.across[1], 0.0]]), AXIS);
     for element in glass::elements(lens) {
@@ -101,7 +101,7 @@ pub(super) fn stop_bar(lens: &Lens, index: usize) -> f64 {
 }
 
 /// Returns the drawing's window, with -z across.
-fn window(lens: &Lens, film: f64, diagonal: f64, marks: &[Mark]) -> View {
+fn window(lens: &Lens, film: f64, diagonal: f64, marks: &[AxialMark]) -> View {
     let ends = |edge: fn(f64, f64) -> f64, start: f64| {
         lens.surfaces
             .iter()
@@ -119,7 +119,7 @@ fn window(lens: &Lens, film: f64, diagonal: f64, marks: &[Mark]) -> View {
         });
     let radius = radii.fold(diagonal / 2.0, f64::max);
     let pupils = marks.iter().filter_map(|mark| match mark.form {
-        Form::Pupil(pupil) if pupil < PUPIL_MOST * radius => Some(pupil),
+        MarkForm::Pupil(pupil) if pupil < PUPIL_MOST * radius => Some(pupil),
         _ => None,
     });
     let up = 1.12 * pupils.fold(radius, f64::max);
@@ -192,7 +192,7 @@ fn lines(page: &mut Page, view: &View, mut traced: Vec<TracedRay>, color: &'stat
 fn on_page(view: &View, ray: &TracedRay) -> Vec<[f64; 2]> {
     let mut points: Vec<[f64; 2]> = ray.points.iter().map(|&[z, y]| [-z, y]).collect();
     if let (Some([dz, dy]), Some(&last)) = (ray.onward, points.last()) {
-        let out = view.way_out(last, [-dz, dy]);
+        let out = view.distance_to_edge(last, [-dz, dy]);
         points.push([last[0] - out * dz, last[1] + out * dy]);
     }
     points.into_iter().map(|point| view.at(point)).collect()
@@ -207,7 +207,7 @@ struct Label {
 
 /// Writes the names of pupils, stop and film above the drawing, of points and planes below it, and of
 /// marks outside it in a row of their own.
-fn name_marks(page: &mut Page, view: &View, lens: &Lens, film: f64, half: f64, marks: &[Mark]) {
+fn name_marks(page: &mut Page, view: &View, lens: &Lens, film: f64, half: f64, marks: &[AxialMark]) {
     let mut over = vec![Label {
         text: "film".to_owned(),
         anchor: view.at([-film, 0.0])[0],
@@ -219,7 +219,7 @@ fn name_marks(page: &mut Page, view: &View, lens: &Lens, film: f64, half: f64, m
     }
     let (mut under, mut outside) = (Vec::new(), Vec::new());
     for mark in marks {
-        let Mark { name, z, form } = *mark;
+        let AxialMark { name, z, form } = *mark;
         if -z < view.across[0] {
             let text = format!("< {name}: {} mm before the lens", fixed(z, 1));
             outside.push(Label { text, anchor: MARGIN, leader: None });
@@ -227,7 +227,7 @@ fn name_marks(page: &mut Page, view: &View, lens: &Lens, film: f64, half: f64, m
             let text = format!("{name}: {} mm behind the film >", fixed(film - z, 1));
             outside.push(Label { text, anchor: WIDTH - MARGIN, leader: None });
         } else {
-            let row = if matches!(form, Form::Pupil(_)) { &mut over } else { &mut under };
+            let row = if matches!(form, MarkForm::Pupil(_)) { &mut over } else { &mut under };
             row.push(draw_mark(page, view, mark));
         }
     }
@@ -238,21 +238,21 @@ fn name_marks(page: &mut Page, view: &View, lens: &Lens, film: f64, half: f64, m
 }
 
 /// Draws the mark itself and returns its label.
-fn draw_mark(page: &mut Page, view: &View, mark: &Mark) -> Label {
+fn draw_mark(page: &mut Page, view: &View, mark: &AxialMark) -> Label {
     let axis = view.at([-mark.z, 0.0]);
     let [top, bottom] = [view.frame.top, view.frame.top + view.frame.height];
     let mut text = mark.name.to_owned();
     let end = match mark.form {
-        Form::Point => {
+        MarkForm::Point => {
             page.line([axis, [axis[0], bottom]], LEADER.dashed("2 3"));
             page.circle(axis, 4.0, INK, Stroke::new("none", 0.0));
             bottom
         }
-        Form::Plane => {
+        MarkForm::Plane => {
             page.line([[axis[0], top], [axis[0], bottom]], Stroke::new(INK, 0.9).dashed("7 4"));
             bottom
         }
-        Form::Pupil(radius) => {
+        MarkForm::Pupil(radius) => {
             let [lower, upper] = [-1.0, 1.0].map(|side| view.at([-mark.z, side * radius])[1]);
             if upper > top {
                 // Two brackets start at the pupil's edge and point away from it.
@@ -300,14 +300,14 @@ mod tests {
 
     fn drawn(table: &str) -> String {
         let lens = Lens::at_d_line(&read("t", table.as_bytes()).unwrap());
-        let scene = Scene {
+        let options = SectionOptions {
             title: Some("a <b> & c"),
             film_distance: 20.0,
             film_diagonal: 10.0,
             rays: 5,
             ghost: None,
         };
-        draw(&lens, &scene).to_string()
+        draw(&lens, &options).to_string()
     }
 
     #[test]
@@ -316,14 +316,14 @@ mod tests {
             let lens = Lens::at_d_line(&catalogue::find(name).unwrap());
             let optics = FirstOrder::of(&lens).unwrap();
             let film_diagonal = if optics.focal_length < 5.0 { 5.0 } else { 35.0 };
-            let scene = Scene {
+            let options = SectionOptions {
                 title: None,
                 film_distance: optics.back_focal_distance(),
                 film_diagonal,
                 rays: 7,
                 ghost: None,
             };
-            let text = draw(&lens, &scene).to_string();
+            let text = draw(&lens, &options).to_string();
             for part in
                 ["entrance pupil", "exit pupil", "stop", "film", "lighter: blocked", COLORS[0], COLORS[2]]
             {

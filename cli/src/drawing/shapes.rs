@@ -1,4 +1,4 @@
-//! The page of a drawing: lines, areas and texts in pixels in; an SVG 1.1 file's text or its pixels out.
+//! The page of a drawing: takes lines, areas and texts in pixels; returns the text of an SVG 1.1 file, or pixels.
 
 use super::{FAINT, INK};
 use crate::image::SrgbImage;
@@ -52,7 +52,7 @@ pub enum Anchor {
 
 /// The geometry of a shape.
 #[derive(Clone, Debug)]
-enum Outline {
+enum Geometry {
     /// A line through points.
     Line(Vec<[f64; 2]>),
     /// An area with corners.
@@ -65,8 +65,8 @@ enum Outline {
 
 /// An outline with its colours.
 #[derive(Clone, Debug)]
-struct Shape {
-    outline: Outline,
+struct PageShape {
+    geometry: Geometry,
     fill: Option<String>,
     stroke: Option<Stroke>,
 }
@@ -76,7 +76,7 @@ struct Shape {
 pub struct Page {
     size: [f64; 2],
     ground: String,
-    shapes: Vec<Shape>,
+    shapes: Vec<PageShape>,
 }
 
 /// Rounds to a hundredth of a pixel; finer differences do not show.
@@ -95,34 +95,34 @@ impl Page {
         Self { size: [width, height], ground, shapes: Vec::new() }
     }
 
-    fn add(&mut self, outline: Outline, fill: &str, stroke: Option<Stroke>) {
+    fn add(&mut self, geometry: Geometry, fill: &str, stroke: Option<Stroke>) {
         let fill = (fill != "none").then(|| fill.to_owned());
-        self.shapes.push(Shape { outline, fill, stroke });
+        self.shapes.push(PageShape { geometry, fill, stroke });
     }
 
     /// Draws a line through points.
     pub fn line(&mut self, through: impl IntoIterator<Item = [f64; 2]>, stroke: Stroke) {
-        self.add(Outline::Line(rounded(through)), "none", Some(stroke));
+        self.add(Geometry::Line(rounded(through)), "none", Some(stroke));
     }
 
     /// Draws a filled area with an edge.
     pub fn area(&mut self, corners: impl IntoIterator<Item = [f64; 2]>, fill: &str, stroke: Stroke) {
-        self.add(Outline::Area(rounded(corners)), fill, Some(stroke));
+        self.add(Geometry::Area(rounded(corners)), fill, Some(stroke));
     }
 
     /// Draws a filled disk without an edge.
     pub fn dot(&mut self, center: [f64; 2], radius: f64, fill: &str) {
-        self.add(Outline::Circle(center, radius), fill, None);
+        self.add(Geometry::Circle(center, radius), fill, None);
     }
 
     /// Draws a circle, filled unless `fill` is "none".
     pub fn circle(&mut self, center: [f64; 2], radius: f64, fill: &str, stroke: Stroke) {
-        self.add(Outline::Circle(center, radius), fill, Some(stroke));
+        self.add(Geometry::Circle(center, radius), fill, Some(stroke));
     }
 
     /// Writes a text on its base line.
     pub fn text(&mut self, text: &str, point: [f64; 2], size: f64, anchor: Anchor, fill: &str) {
-        self.add(Outline::Text(text.to_owned(), point, size, anchor), fill, None);
+        self.add(Geometry::Text(text.to_owned(), point, size, anchor), fill, None);
     }
 
     /// Rasterises the page at `zoom` pixels per unit; `None` for a page without an area.
@@ -175,17 +175,17 @@ impl fmt::Display for Page {
 }
 
 /// Formats the shape as an element of SVG.
-impl fmt::Display for Shape {
+impl fmt::Display for PageShape {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let points = |points: &[[f64; 2]]| {
             points.iter().map(|[x, y]| format!("{x},{y}")).collect::<Vec<_>>().join(" ")
         };
         let fill = self.fill.as_deref().unwrap_or("none");
-        match &self.outline {
-            Outline::Line(through) => write!(out, "<polyline points=\"{}\"", points(through))?,
-            Outline::Area(corners) => write!(out, "<polygon points=\"{}\"", points(corners))?,
-            Outline::Circle([x, y], radius) => write!(out, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\"")?,
-            Outline::Text(text, [x, y], size, anchor) => {
+        match &self.geometry {
+            Geometry::Line(through) => write!(out, "<polyline points=\"{}\"", points(through))?,
+            Geometry::Area(corners) => write!(out, "<polygon points=\"{}\"", points(corners))?,
+            Geometry::Circle([x, y], radius) => write!(out, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\"")?,
+            Geometry::Text(text, [x, y], size, anchor) => {
                 let text = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
                 let anchor = if matches!(anchor, Anchor::Start) { "start" } else { "middle" };
                 return write!(
@@ -209,20 +209,20 @@ impl fmt::Display for Shape {
     }
 }
 
-impl Shape {
+impl PageShape {
     fn path(&self) -> Option<Path> {
         let mut path = PathBuilder::new();
-        match &self.outline {
-            Outline::Line(points) | Outline::Area(points) => {
+        match &self.geometry {
+            Geometry::Line(points) | Geometry::Area(points) => {
                 for (number, [x, y]) in points.iter().map(|point| point.map(|x| x as f32)).enumerate() {
                     if number == 0 { path.move_to(x, y) } else { path.line_to(x, y) }
                 }
-                if matches!(self.outline, Outline::Area(_)) {
+                if matches!(self.geometry, Geometry::Area(_)) {
                     path.close();
                 }
             }
-            Outline::Circle([x, y], radius) => path.push_circle(*x as f32, *y as f32, *radius as f32),
-            Outline::Text(text, [x, y], size, anchor) => {
+            Geometry::Circle([x, y], radius) => path.push_circle(*x as f32, *y as f32, *radius as f32),
+            Geometry::Text(text, [x, y], size, anchor) => {
                 let (letters, width) = outline(text, *size as f32);
                 let left = if matches!(anchor, Anchor::Start) { 0.0 } else { width / 2.0 };
                 return letters?.transform(Transform::from_translate(*x as f32 - left, *y as f32));

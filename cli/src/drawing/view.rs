@@ -1,5 +1,5 @@
-//! A map from millimetres to the page, at one scale in both directions: a window of lens space and a part of the page
-//! in; the page's point of any point out.
+//! A map from millimetres to the page, at one scale in both directions: takes a window of lens space and a part of the
+//! page; returns the page's point for any point.
 
 /// A part of the page, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,7 +28,7 @@ pub struct View {
 }
 
 impl View {
-    /// Fits `across` to a frame of this place and width. The frame is high enough to show `up`, but at least `least`
+    /// Fits `across` to a frame with this corner and width. The frame is high enough to show `up`, but at least `least`
     /// and at most `most` pixels; extra room in either direction is divided between both sides.
     pub fn fit(
         [left, top]: [f64; 2],
@@ -59,14 +59,15 @@ impl View {
         ]
     }
 
-    /// Returns the distance from `from` to the window's edge, in lengths of `direction`; 0 from outside.
-    pub fn way_out(&self, from: [f64; 2], direction: [f64; 2]) -> f64 {
+    /// Returns the distance along a direction from `from` to the window's edge, in lengths of `direction`; 0 from
+    /// outside.
+    pub fn distance_to_edge(&self, from: [f64; 2], direction: [f64; 2]) -> f64 {
         let windows = [self.across, self.up];
-        let ways = (0..2).filter(|&i| direction[i] != 0.0).map(|i| {
+        let distances = (0..2).filter(|&i| direction[i] != 0.0).map(|i| {
             let edge = if direction[i] > 0.0 { windows[i][1] } else { windows[i][0] };
             (edge - from[i]) / direction[i]
         });
-        ways.fold(f64::INFINITY, f64::min).max(0.0)
+        distances.fold(f64::INFINITY, f64::min).max(0.0)
     }
 
     /// Returns the largest length in mm of the form 1, 2 or 5 times a power of ten that takes at most `pixels`.
@@ -98,9 +99,9 @@ mod tests {
 
     #[test]
     fn lines_end_at_the_windows_edge() {
-        assert_eq!(view().way_out([0.0, 0.0], [-1.0, 0.5]), 10.0);
-        assert_eq!(view().way_out([0.0, 0.0], [0.0, 4.0]), 5.0);
-        assert_eq!(view().way_out([-11.0, 0.0], [-1.0, 0.0]), 0.0);
+        assert_eq!(view().distance_to_edge([0.0, 0.0], [-1.0, 0.5]), 10.0);
+        assert_eq!(view().distance_to_edge([0.0, 0.0], [0.0, 4.0]), 5.0);
+        assert_eq!(view().distance_to_edge([-11.0, 0.0], [-1.0, 0.0]), 0.0);
     }
 
     #[test]

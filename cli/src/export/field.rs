@@ -1,12 +1,12 @@
 //! The exact chief rays of a film, sampled along one radius.
 
-use super::table::Table;
+use super::table::RadialFunction;
 use realistic_base::message::short;
 use realistic_optics::imaging::{axial_beam::stop_or_limiting, focus::Focus};
 use realistic_optics::lens::{Lens, pupil::EntrancePupil};
 use realistic_trace::field::Field;
 
-/// The film: its pixels, which are square, and its place.
+/// The film: its pixels, which are square, and its position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Film {
     /// Width and height in pixels.
@@ -122,7 +122,7 @@ impl ChiefField {
     /// Traces the rays of `count` evenly spaced film points.
     ///
     /// # Errors
-    /// No light on the axis, or no place for a pinhole.
+    /// No light on the axis, or no position for a pinhole.
     pub fn new(lens: &Lens, film: Film, count: u32) -> Result<Self, FieldError> {
         let field = Field::new(lens, film.z);
         let corner = 0.5 * film.diagonal;
@@ -203,13 +203,13 @@ impl ChiefField {
     }
 
     /// Returns a value of every ring as an odd function of the distance from the centre in pixels.
-    pub fn odd(&self, value: impl Fn(&Ring) -> f64) -> Table {
-        Table::odd(self.step(), self.rings.iter().map(value).collect())
+    pub fn odd(&self, value: impl Fn(&Ring) -> f64) -> RadialFunction {
+        RadialFunction::odd(self.step(), self.rings.iter().map(value).collect())
     }
 
     /// Returns a value of every ring as an even function of the distance from the centre in pixels.
-    pub fn even(&self, value: impl Fn(&Ring) -> f64) -> Table {
-        Table::even(self.step(), self.rings.iter().map(value).collect())
+    pub fn even(&self, value: impl Fn(&Ring) -> f64) -> RadialFunction {
+        RadialFunction::even(self.step(), self.rings.iter().map(value).collect())
     }
 
     fn step(&self) -> f64 {

@@ -4,7 +4,7 @@
 //! implementation and theory", 1978), from the crate of that name. Every residual is in pixels on the film.
 
 use super::field::ChiefField;
-use super::law::{Law, Quantity, Shape, series};
+use super::law::{Law, LawShape, Quantity, series};
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::storage::Owned;
 use nalgebra::{DMatrix, DVector, Dyn};
@@ -27,7 +27,7 @@ struct Problem {
 
 /// Returns the law of a shape that best matches the rays, by the mean square over the film; c is `scale` if given, else
 /// fitted.
-pub fn fit(shape: Shape, field: &ChiefField, scale: Option<f64>) -> Law {
+pub fn fit(shape: LawShape, field: &ChiefField, scale: Option<f64>) -> Law {
     let last = field.rings[field.rings.len() - 1];
     let [from, to] = [shape.from, shape.to];
     let unit = [from.of(last.radius, last.angle), to.of(last.radius, last.angle)];
@@ -54,7 +54,7 @@ pub fn fit(shape: Shape, field: &ChiefField, scale: Option<f64>) -> Law {
     let mut problem = Problem { points: points.collect(), law, is_scale_free: scale.is_none() };
     // The fit of a quotient starts from that of the polynomial.
     if shape.terms[1] > 0 {
-        let polynomial = Shape { terms: [shape.terms[0], 0], ..shape };
+        let polynomial = LawShape { terms: [shape.terms[0], 0], ..shape };
         problem.law.shape = polynomial;
         let denominator = std::mem::take(&mut problem.law.denominator);
         problem = solved(problem);
@@ -160,19 +160,19 @@ mod tests {
         use Quantity::{Angle, Radius, Tangent};
         for (shape, scale, numerator, denominator) in [
             (
-                Shape { from: Tangent, to: Radius, power: 2, terms: [3, 0] },
+                LawShape { from: Tangent, to: Radius, power: 2, terms: [3, 0] },
                 1500.0,
                 vec![-0.1, 0.03, -0.004],
                 vec![],
             ),
             (
-                Shape { from: Angle, to: Radius, power: 2, terms: [4, 0] },
+                LawShape { from: Angle, to: Radius, power: 2, terms: [4, 0] },
                 700.0,
                 vec![-0.05, 0.01, -0.002, 1e-4],
                 vec![],
             ),
             (
-                Shape { from: Radius, to: Angle, power: 1, terms: [3, 0] },
+                LawShape { from: Radius, to: Angle, power: 1, terms: [3, 0] },
                 1e-3,
                 vec![1e-5, 1e-8, -2e-11],
                 vec![],
@@ -187,7 +187,7 @@ mod tests {
         }
         // Numerator and denominator can compensate each other: the fit of a quotient recovers the law, not its
         // coefficients.
-        let shape = Shape { from: Tangent, to: Radius, power: 2, terms: [3, 3] };
+        let shape = LawShape { from: Tangent, to: Radius, power: 2, terms: [3, 3] };
         let law =
             Law { shape, scale: 1500.0, numerator: vec![0.2, 0.1, 0.0], denominator: vec![0.4, 0.0, 0.05] };
         let rays = field(&law, 0.9);

@@ -4,7 +4,7 @@ use super::field::Film;
 use super::fit::polynomial;
 use super::law::series;
 use super::map::Map;
-use super::table::Table;
+use super::table::RadialFunction;
 use rayon::prelude::*;
 use realistic_camera::sampling::PupilDisk;
 use realistic_lab::pupil::Outline;
@@ -71,7 +71,7 @@ impl Illumination {
     /// Returns the share at every pixel.
     pub fn map(&self) -> Map {
         let step = self.lit / f64::from(POINTS);
-        let table = Table::even(step, self.values.iter().map(|(_, value)| *value).collect());
+        let table = RadialFunction::even(step, self.values.iter().map(|(_, value)| *value).collect());
         Map::new(self.film.size, ["Y"], |[x, y]| {
             let radius = x.hypot(y);
             [if radius <= self.lit { table.at(radius).max(0.0) } else { 0.0 }]

@@ -27,7 +27,7 @@ impl Quantity {
 
 /// The shape of y = c x (1 + n₁ xᵖ + n₂ x²ᵖ + …)/(1 + d₁ xᵖ + d₂ x²ᵖ + …).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Shape {
+pub struct LawShape {
     /// x.
     pub from: Quantity,
     /// y.
@@ -42,7 +42,7 @@ pub struct Shape {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Law {
     /// The shape.
-    pub shape: Shape,
+    pub shape: LawShape,
     /// c.
     pub scale: f64,
     /// n₁, n₂ and so on.
@@ -143,7 +143,7 @@ mod tests {
 
     fn law(from: Quantity, to: Quantity, power: i32) -> Law {
         let terms = [2, 1];
-        let shape = Shape { from, to, power, terms };
+        let shape = LawShape { from, to, power, terms };
         Law { shape, scale: 2.0, numerator: vec![0.3, -0.02], denominator: vec![0.1] }
     }
 

@@ -2,7 +2,7 @@
 
 use super::field::ChiefField;
 use super::fit::fit;
-use super::law::{Law, Quantity, Shape};
+use super::law::{Law, LawShape, Quantity};
 use serde_json::{Value, json};
 
 /// A camera model of other programs.
@@ -50,7 +50,7 @@ impl Model {
         }
     }
 
-    fn shape(self) -> Shape {
+    fn shape(self) -> LawShape {
         use Quantity::{Angle, Radius, Tangent};
         let (from, to, power, terms) = match self {
             Self::Pinhole => (Tangent, Radius, 2, [0, 0]),
@@ -60,12 +60,12 @@ impl Model {
             Self::FTheta => (Radius, Angle, 1, [3, 0]),
             Self::OpenTrackIo => (Radius, Tangent, 2, [3, 3]),
         };
-        Shape { from, to, power, terms }
+        LawShape { from, to, power, terms }
     }
 
     /// Whether the model projects onto a plane, and so sees less than 90 degrees from the axis.
     pub fn is_planar(self) -> bool {
-        let Shape { from, to, .. } = self.shape();
+        let LawShape { from, to, .. } = self.shape();
         from == Quantity::Tangent || to == Quantity::Tangent
     }
 
@@ -117,7 +117,7 @@ impl Fitted {
         let Law { scale, numerator: n, denominator: d, .. } = &self.law;
         match self.model {
             Model::Pinhole => vec![],
-            // By symmetry p1 and p2 are 0.
+            // Symmetry makes p1 and p2 0.
             Model::OpenCv | Model::OpenCvRational => [&[n[0], n[1], 0.0, 0.0, n[2]], &d[..]].concat(),
             Model::KannalaBrandt => n.clone(),
             Model::FTheta => [0.0, *scale].into_iter().chain(n.iter().map(|k| scale * k)).collect(),

@@ -39,7 +39,7 @@ pub fn spots(lens: &Lens, field: &ChiefField) -> Vec<Spot> {
     FIELDS.iter().map(ring).filter_map(|ring| Spot::of(&path, lens, field, &ring)).collect()
 }
 
-/// A ray through the lens: its place in the beam, its place on the film, and the light that it carries.
+/// A ray through the lens: its position in the beam, its position on the film, and the light that it carries.
 struct Landed {
     across: [f64; 2],
     film: [f64; 2],
@@ -58,10 +58,10 @@ impl Spot {
             let through = [b, h + a * dz, z - a * dh];
             let (origin, direction, weight) = match object {
                 Some([y, z]) => {
-                    let way = [through[0], through[1] - y, through[2] - z];
-                    let length = way.iter().map(|d| d * d).sum::<f64>().sqrt();
-                    let cosine = -(way[1] * dh + way[2] * dz) / length;
-                    ([0.0, y, z], way, cosine / (length * length))
+                    let toward = [through[0], through[1] - y, through[2] - z];
+                    let length = toward.iter().map(|d| d * d).sum::<f64>().sqrt();
+                    let cosine = -(toward[1] * dh + toward[2] * dz) / length;
+                    ([0.0, y, z], toward, cosine / (length * length))
                 }
                 None => {
                     let back = [0.0, dh, dz].map(|d| 4.0 * front * d);

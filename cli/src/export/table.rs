@@ -3,14 +3,14 @@
 /// Values at 0, one step, two steps and so on, with cubic interpolation (E. Catmull and R. Rom, "A class of local
 /// interpolating splines", 1974).
 #[derive(Clone, Debug)]
-pub struct Table {
+pub struct RadialFunction {
     step: f64,
     values: Vec<f64>,
     /// Parity of the function, which continues it beyond the axis: 1 for even, -1 for odd.
     parity: f64,
 }
 
-impl Table {
+impl RadialFunction {
     /// Makes an even function of the distance.
     pub fn even(step: f64, values: Vec<f64>) -> Self {
         Self { step, values, parity: 1.0 }
@@ -51,11 +51,11 @@ impl Table {
         let most = self.at(end);
         let step = most / (count - 1) as f64;
         let value = |i: usize| {
-            let wanted = step * i as f64;
+            let target = step * i as f64;
             let (mut low, mut high) = (0.0, end);
             for _ in 0..50 {
                 let middle = 0.5 * (low + high);
-                if self.at(middle) < wanted { low = middle } else { high = middle }
+                if self.at(middle) < target { low = middle } else { high = middle }
             }
             0.5 * (low + high)
         };
@@ -70,8 +70,10 @@ mod tests {
     #[test]
     fn smooth_functions_come_back_and_so_do_their_inverses() {
         let values = |f: fn(f64) -> f64| (0..65).map(|i| f(f64::from(i) / 64.0)).collect();
-        let (odd, even) =
-            (Table::odd(1.0 / 64.0, values(f64::sin)), Table::even(1.0 / 64.0, values(f64::cos)));
+        let (odd, even) = (
+            RadialFunction::odd(1.0 / 64.0, values(f64::sin)),
+            RadialFunction::even(1.0 / 64.0, values(f64::cos)),
+        );
         let inverse = odd.inverse(65);
         for i in 0..=1000 {
             let x = f64::from(i) / 1000.0;

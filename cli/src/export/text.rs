@@ -94,7 +94,7 @@ pub fn opentrackio_json(
     value
 }
 
-/// Distance that stands for infinity in files without infinity, mm.
+/// Distance that represents infinity in files without infinity, mm.
 const INFINITY: f64 = 1e9;
 
 /// Writes the camera of a USD file: the attributes of `UsdGeomCamera`, lengths of the film in tenths of a unit.

@@ -78,8 +78,8 @@ mod tests {
             for crop in [[0, 0, 9, 7], [3, 2, 5, 6], [0, 5, 1, 7], [8, 0, 9, 1]] {
                 let [x0, y0, x1, y1] = filter.around(crop, whole.size);
                 let cut = |from: &Picture, [x0, y0, x1, y1]: [u32; 4]| {
-                    let places = (y0..y1).flat_map(|y| (x0..x1).map(move |x| (y * 9 + x) as usize));
-                    let pixels = places.map(|place| from.pixels[place]).collect();
+                    let indices = (y0..y1).flat_map(|y| (x0..x1).map(move |x| (y * 9 + x) as usize));
+                    let pixels = indices.map(|index| from.pixels[index]).collect();
                     Picture { size: [x1 - x0, y1 - y0], pixels }
                 };
                 let part = filter.applied(&cut(&whole, [x0, y0, x1, y1]), [x0, y0], crop);

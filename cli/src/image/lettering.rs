@@ -7,9 +7,8 @@ use ttf_parser::{Face, OutlineBuilder};
 /// DejaVu Sans Condensed, some of its characters (`assets/README.md`).
 static FONT: &[u8] = include_bytes!("../../assets/letters.ttf");
 
-/// Returns the outlines of a text on one line and its width. The base line begins at the origin and y grows
-/// downward; `size` is the height of a line in pixels, without leading. A box stands for a character that the
-/// font lacks.
+/// Returns the outlines of a text on one line and its width. The base line begins at the origin and y grows downward;
+/// `size` is the height of a line in pixels, without leading. A box replaces a character that the font lacks.
 pub fn outline(text: &str, size: f32) -> (Option<Path>, f32) {
     let face = Face::parse(FONT, 0).expect("the font is whole");
     let scale = size / f32::from(face.units_per_em());

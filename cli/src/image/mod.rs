@@ -8,6 +8,6 @@ mod srgb;
 pub mod tile;
 
 pub use filter::Filter;
-pub use picture::{Curve, Format, LARGEST_SIDE, Picture, Tone, check_room, picture_path};
+pub use picture::{Curve, Format, LARGEST_SIDE, Picture, Tone, check_memory, picture_path};
 pub use sheet::Sheet;
 pub use srgb::{Colours, SrgbImage, hex};

@@ -25,7 +25,7 @@ pub const LARGEST_SIDE: u32 = 16_384;
 ///
 /// # Errors
 /// The memory is not available; the message states the size and the memory needed.
-pub fn check_room([width, height]: [u32; 2], bytes_per_pixel: u64) -> Result<(), Failure> {
+pub fn check_memory([width, height]: [u32; 2], bytes_per_pixel: u64) -> Result<(), Failure> {
     let bytes = (u64::from(width) * u64::from(height)).saturating_mul(bytes_per_pixel);
     let mut trial: Vec<u8> = Vec::new();
     let is_there = usize::try_from(bytes).is_ok_and(|bytes| trial.try_reserve_exact(bytes).is_ok());
@@ -181,8 +181,8 @@ mod tests {
 
     #[test]
     fn a_picture_without_room_is_an_error() {
-        check_room([480, 320], 80).unwrap();
-        let Err(Failure::Other(message)) = check_room([u32::MAX; 2], 80) else { panic!("no such memory") };
+        check_memory([480, 320], 80).unwrap();
+        let Err(Failure::Other(message)) = check_memory([u32::MAX; 2], 80) else { panic!("no such memory") };
         assert!(
             message.contains("4294967295 x 4294967295 pixels takes") && message.contains("--size"),
             "{message}"

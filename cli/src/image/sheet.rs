@@ -27,7 +27,7 @@ impl Sheet {
         sheet
     }
 
-    /// Puts a picture into the next place; `scale` converts its values to the screen's.
+    /// Puts a picture into the next panel; `scale` converts its values to the screen's.
     pub fn add(&mut self, label: &str, picture: &Picture, scale: f32) {
         let [left, top] = self.corner(self.filled);
         self.filled += 1;

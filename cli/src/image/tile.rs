@@ -1,7 +1,7 @@
-//! A tile: part of a picture, with its place in the whole and a description of the whole, in both file formats.
+//! A tile: part of a picture, with its position in the whole and a description of the whole, in both file formats.
 //!
 //! Both formats have a text, which [`Origin`] writes and reads, with a checksum of text and pixels, because EXR files
-//! have none of their own. For other programs the place is also in the format's own field: in an EXR file's data and
+//! have none of their own. For other programs the position is also in the format's own field: in an EXR file's data and
 //! display window, in a PNG file's oFFs chunk (PNG extensions 1.6).
 
 use super::picture::{Format, LARGEST_SIDE, Picture, Tone};
@@ -21,7 +21,7 @@ use std::fs::File;
 use std::io::{self, BufReader, Cursor};
 use std::path::{Path, PathBuf};
 
-/// The place of a tile and the description of its picture.
+/// The position of a tile and the description of its picture.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Origin {
     /// Width and height of the whole picture.
@@ -36,7 +36,7 @@ pub struct Origin {
 pub struct Tile<P> {
     /// File of the tile.
     pub path: PathBuf,
-    /// Place of the tile, and the description of its picture.
+    /// Position of the tile, and the description of its picture.
     pub origin: Origin,
     /// Pixels in rows from the top, each from the left.
     pub pixels: Vec<P>,
@@ -80,8 +80,8 @@ impl Origin {
             let numbers: Option<Vec<u32>> = text.split(',').map(|number| number.parse().ok()).collect();
             numbers?.try_into().ok()
         }
-        let (place, settings) = text.split_once('\n').unwrap_or((text, ""));
-        let (whole, crop) = place.split_once(' ')?;
+        let (position, settings) = text.split_once('\n').unwrap_or((text, ""));
+        let (whole, crop) = position.split_once(' ')?;
         let (whole @ [width, height], crop @ [x0, y0, x1, y1]) = (numbers(whole)?, numbers(crop)?);
         let is_inside = x0 < x1 && x1 <= width && y0 < y1 && y1 <= height;
         if !is_inside || width.max(height) > LARGEST_SIDE {
@@ -123,12 +123,12 @@ pub fn write(picture: &Picture, path: &Path, tone: Tone, origin: &Origin) -> Res
     let bytes = match Format::of(path).map_err(Failure::Usage)? {
         Format::Png => {
             let [left, top, ..] = origin.crop;
-            let place = [left.to_be_bytes(), top.to_be_bytes()].concat();
+            let position = [left.to_be_bytes(), top.to_be_bytes()].concat();
             let shown = picture.shown(tone);
             let text = (PNG_KEYWORD, origin.with_sum(&shown.pixels));
             // The last byte selects the pixel as the unit.
-            let place = (*b"oFFs", [&place[..], &[0]].concat());
-            shown.png_with(Colours::All, Some(text), Some(place))
+            let position = (*b"oFFs", [&position[..], &[0]].concat());
+            shown.png_with(Colours::All, Some(text), Some(position))
         }
         Format::Exr => exr(picture, origin).map_err(|error| failed(&error))?,
     };
@@ -164,7 +164,7 @@ pub fn read_png(path: &Path) -> Result<Tile<[u8; 3]>, Failure> {
     let info = reader.info();
     let own = info.utf8_text.iter().find(|text| text.keyword == PNG_KEYWORD);
     let claim = Claim::read(path, own.and_then(text_of), [info.width, info.height])?;
-    let mut pixels = claim.room::<u8>()?;
+    let mut pixels = claim.allocate::<u8>()?;
     let bytes = pixels.as_flattened_mut();
     if reader.output_buffer_size() != Some(bytes.len()) {
         let unfit = "its pixels are not of 8-bit red, green and blue";
@@ -177,7 +177,7 @@ pub fn read_png(path: &Path) -> Result<Tile<[u8; 3]>, Failure> {
 /// Reads a tile from an EXR file: linear.
 ///
 /// # Errors
-/// As [`read_png`].
+/// As for [`read_png`].
 pub fn read_exr(path: &Path) -> Result<Tile<[f32; 3]>, Failure> {
     let damaged = |error: exr::error::Error| damaged(path, "EXR", &error);
     // The header is checked first, because the reader would allocate memory for any claimed size.
@@ -193,12 +193,12 @@ pub fn read_exr(path: &Path) -> Result<Tile<[f32; 3]>, Failure> {
         _ => (None, Vec2(0, 0)),
     };
     let claim = Claim::read(path, text, [width, height].map(|side| u32::try_from(side).unwrap_or(u32::MAX)))?;
-    let room = Cell::new(claim.room()?);
+    let allocate = Cell::new(claim.allocate()?);
     let image = exr::prelude::read()
         .no_deep_data()
         .largest_resolution_level()
         .rgb_channels(
-            move |_, _| room.take(),
+            move |_, _| allocate.take(),
             move |pixels: &mut Vec<[f32; 3]>, at, (r, g, b): (f32, f32, f32)| {
                 if let Some(pixel) = pixels.get_mut(at.y() * width + at.x()) {
                     *pixel = [r, g, b];
@@ -265,9 +265,9 @@ impl<'a> Claim<'a> {
     }
 
     /// Allocates memory for the pixels.
-    fn room<P: Sample>(&self) -> Result<Vec<[P; 3]>, Failure> {
+    fn allocate<P: Sample>(&self) -> Result<Vec<[P; 3]>, Failure> {
         let size = self.origin.size();
-        room(size).ok_or_else(|| {
+        allocate(size).ok_or_else(|| {
             let ([width, height], name) = (size, self.path.display());
             Failure::Other(format!("there is no memory for the {width} x {height} pixels of {name}"))
         })
@@ -287,7 +287,7 @@ impl<'a> Claim<'a> {
 }
 
 /// Allocates memory for the pixels of a picture; `None` if there is too little.
-pub fn room<P: Copy + Default>([width, height]: [u32; 2]) -> Option<Vec<P>> {
+pub fn allocate<P: Copy + Default>([width, height]: [u32; 2]) -> Option<Vec<P>> {
     let count = width as usize * height as usize;
     let mut pixels = Vec::new();
     pixels.try_reserve_exact(count).ok()?;
@@ -323,7 +323,7 @@ mod tests {
     }
 
     #[test]
-    fn a_tiles_place_must_lie_in_its_picture() {
+    fn a_tiles_position_must_lie_in_its_picture() {
         let origin =
             Origin { whole: [50, 34], crop: [25, 0, 50, 34], settings: vec![("a".into(), "b: c".into())] };
         assert_eq!(Origin::read(&origin.to_string()), Some(origin));

@@ -9,10 +9,11 @@ use realistic_optics::lens::Surface;
 use realistic_optics::prescription::FIRST_POWER;
 use std::fmt::Write as _;
 
-/// Largest number of Newton steps; the step, in clear semi-diameters, at which they end: four times the rounding error
-/// of a coordinate; and the step that means that no surface was found.
+/// Largest number of Newton steps.
 const STEPS: u32 = 12;
+/// Step, in clear semi-diameters, at which they end: four times the rounding error of a coordinate.
 const SMALL: f64 = 2.5e-7;
+/// Step, in clear semi-diameters, beyond which no surface was found.
 const FAILED: f64 = 1e-3;
 
 /// n cos θ before and behind a surface, and its unit normal, in the variables of [`surface`].
@@ -22,11 +23,11 @@ pub const MEETING: ([&str; 2], [&str; 3]) = (["g", "f"], ["-k*x", "-k*y", "q"]);
 /// `light` precedes the refraction.
 pub fn surface(text: &mut String, surface: &Surface, limit: &str, step: &str, light: &str) {
     let figure = surface.figure.as_ref().expect("an asphere");
-    // The figure measures z toward the film, the ray along its way to the scene.
+    // The figure measures z toward the film, the ray toward the scene.
     let asphere = &figure.asphere;
     let c = number(-asphere.radius.recip());
     let bent = number(-(1.0 + asphere.conic) * asphere.radius.recip());
-    let rim = figure.rim * figure.rim;
+    let rim_squared = figure.rim * figure.rim;
     let terms: Vec<(usize, f64)> = (FIRST_POWER..)
         .zip(asphere.terms)
         .filter(|(_, term)| *term != 0.0)
@@ -45,24 +46,29 @@ pub fn surface(text: &mut String, surface: &Surface, limit: &str, step: &str, li
                 _ => format!("({sum}*p + {})", number(*term)),
             })
         };
-        let slopes: Vec<f64> = (1..).zip(&coefficients).map(|(j, term)| f64::from(j) * term / rim).collect();
+        let slopes: Vec<f64> =
+            (1..).zip(&coefficients).map(|(j, term)| f64::from(j) * term / rim_squared).collect();
         let (mut value, mut slope) = ("0".to_owned(), "0".to_owned());
         if !coefficients.is_empty() {
             (value, slope) = (format!("p*{}", horner(&coefficients)), horner(&slopes));
         }
-        let _ = writeln!(text, "    float p = min(r2*{}, 1.0);", number(1.0 / rim));
+        let _ = writeln!(text, "    float p = min(r2*{}, 1.0);", number(1.0 / rim_squared));
         if !odd.is_empty() {
             text.push_str("    float o = sqrt(p);\n");
             for (power, term) in odd {
                 let scale = term * figure.rim.powi(power as i32);
                 let _ = write!(value, " + {}*o", number(scale));
-                let _ = write!(slope, " + {}*o", number(scale * power as f64 / 2.0 / rim));
+                let _ = write!(slope, " + {}*o", number(scale * power as f64 / 2.0 / rim_squared));
                 value += &"*p".repeat(power / 2);
                 slope += &"*p".repeat(power / 2 - 1);
             }
         }
         // Beyond the clear aperture a difference is added that is exactly 0 within it.
-        let _ = writeln!(text, "    k = {slope};\n    f = z - ({value} + k*max(r2 - {}, 0.0));", number(rim));
+        let _ = writeln!(
+            text,
+            "    k = {slope};\n    f = z - ({value} + k*max(r2 - {}, 0.0));",
+            number(rim_squared)
+        );
     };
     let _ = write!(
         text,

@@ -1,9 +1,9 @@
 //! A lens as a camera of Blender: the text of an OSL shader that traces it.
 //!
-//! A lens file goes in (`stations`: its groups, zoomed; `optics`: focus and stop; `field`, `region`, `table`, `stop`:
-//! the library's map of the pupil, as a table small enough for a shader); OSL goes out (`numbers`, `trace`, `figure`,
-//! `glass`, `light`, `pupil`, `shader`). OSL cameras work in metres with +z forward and +y up; the shader works in
-//! millimetres in lens space.
+//! The input is a lens file (`stations`: its groups, zoomed; `optics`: focus and stop; `field`, `region`, `table`,
+//! `stop`: the library's map of the pupil, as a table small enough for a shader). The output is OSL (`numbers`,
+//! `trace`, `figure`, `glass`, `light`, `pupil`, `shader`). OSL cameras work in metres with +z forward and +y up; the
+//! shader works in millimetres in lens space.
 
 mod field;
 mod figure;
@@ -21,5 +21,5 @@ mod table;
 mod text;
 mod trace;
 
-pub use shader::{Camera, Request};
-pub use stations::{Asked, Station, stations};
+pub use shader::{OslCamera, ShaderRequest};
+pub use stations::{Station, StationRequest, stations};

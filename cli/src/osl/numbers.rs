@@ -44,7 +44,7 @@ impl Numbers {
         })
     }
 
-    /// Declares `zoomed`, the place between the nodes of the zoom, and the array; `zooms` are the stations' focal
+    /// Declares `zoomed`, the position between the nodes of the zoom, and the array; `zooms` are the stations' focal
     /// lengths. Empty for a lens that does not zoom.
     pub fn declarations(&self, zooms: &[f64]) -> String {
         if self.stations == 1 {
@@ -81,7 +81,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_that_stay_are_literals_and_others_have_a_place() {
+    fn constants_are_literals_and_other_numbers_have_an_element() {
         let mut numbers = Numbers::new(3);
         assert_eq!(numbers.text([2.0, 2.0, 2.0]), "2.0");
         assert_eq!(numbers.text([1.0, 2.0, 3.0]), "C[0]");

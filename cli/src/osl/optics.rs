@@ -1,8 +1,8 @@
-//! The optics that a shader needs before it traces a lens: the place of the film for an object's distance and a stop,
-//! and the plane in which it samples the pupil.
+//! The optics that a shader needs before it traces a lens: the position of the film for an object's distance and a
+//! stop, and the plane in which it samples the pupil.
 //!
-//! A lens at its widest stop in; first-order optics, and the film distance of sharpest focus (as in
-//! `realistic_optics::imaging::focus`) as a polynomial of two variables, out.
+//! Takes a lens at its widest stop; returns its first-order optics, and the film distance of sharpest focus (as in
+//! `realistic_optics::imaging::focus`) as a polynomial of two variables.
 //!
 //! The focus f runs from 0, infinity, to 1, the nearest: f = u / `nearest`, with u = 1/(z - F), where z is the object
 //! plane and F the front focal point, or the front vertex if groups focus. The stop s runs from 0 to 1, the widest.
@@ -59,7 +59,7 @@ pub struct Optics {
 #[derive(Clone, Debug)]
 pub struct Motion {
     pub gaps: Vec<Polynomial<FOCUS_TERMS>>,
-    pub rim: Polynomial<FOCUS_TERMS>,
+    pub stop_radius: Polynomial<FOCUS_TERMS>,
 }
 
 impl Optics {
@@ -89,8 +89,8 @@ impl Optics {
                 .min(1.0 / room.max(1e-3 * focal_length)),
         };
         let back = focus.film_distance(f64::INFINITY)?;
-        // Any plane works; in the plane of the pupil its outline hardly changes with field and focus. For a pupil at
-        // infinity, or behind the film, which is beyond infinity, a distant plane stands in.
+        // Any plane works; in the plane of the pupil its outline hardly changes with field and focus. A distant plane
+        // replaces that of a pupil at infinity, or behind the film, which is beyond infinity.
         let vergence = ExitPupil::of_surface(lens, stop).vergence(lens.rear().vertex - back);
         let vergence = vergence.clamp(0.2 / back.max(focal_length), 1.5 / back);
         let mut optics = Self {
@@ -134,14 +134,14 @@ impl Optics {
         let gaps = (0..self.lens.surfaces.len() - 1)
             .map(|row| of(&|lens: &Lens| lens.surfaces[row].thickness))
             .collect();
-        Some(Motion { gaps, rim: of(&|lens: &Lens| lens.surfaces[self.stop].semi_diameter) })
+        Some(Motion { gaps, stop_radius: of(&|lens: &Lens| lens.surfaces[self.stop].semi_diameter) })
     }
 
-    /// Returns the lens at a focus, with its groups in their places for it.
+    /// Returns the lens at a focus, with its groups at their positions for it.
     pub fn focused(&self, f: f64) -> Lens {
         let mut lens = self.lens.clone();
         if let Some(motion) = &self.motion {
-            lens.surfaces[self.stop].semi_diameter = motion.rim.at(f);
+            lens.surfaces[self.stop].semi_diameter = motion.stop_radius.at(f);
             let mut vertex = 0.0;
             for (surface, gap) in lens.surfaces.iter_mut().zip(&motion.gaps) {
                 surface.vertex = vertex;

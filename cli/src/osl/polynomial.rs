@@ -57,11 +57,11 @@ mod tests {
 
     #[test]
     fn a_fit_recovers_polynomials_and_the_known_best_line() {
-        let wanted = Polynomial([1.0, -2.0, 0.5, 3.0]);
+        let expected = Polynomial([1.0, -2.0, 0.5, 3.0]);
         let x: Vec<f64> = (0..9).map(|i| f64::from(i) / 8.0).collect();
-        let y: Vec<f64> = x.iter().map(|&x| wanted.at(x)).collect();
+        let y: Vec<f64> = x.iter().map(|&x| expected.at(x)).collect();
         let found: Polynomial<4> = fit(&x, &y);
-        assert!(found.0.iter().zip(wanted.0).all(|(a, b)| (a - b).abs() < 1e-11), "{found:?}");
+        assert!(found.0.iter().zip(expected.0).all(|(a, b)| (a - b).abs() < 1e-11), "{found:?}");
         let line: Polynomial<2> = fit(&[0.0, 1.0, 2.0], &[0.0, 0.0, 3.0]);
         assert!((line.0[0] + 0.5).abs() < 1e-14 && (line.0[1] - 1.5).abs() < 1e-14, "{line:?}");
         let [mean, unknown] = least_squares(&[[1.0, 0.0], [1.0, 0.0]], &[1.0, 3.0]);

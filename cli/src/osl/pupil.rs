@@ -1,30 +1,30 @@
-//! OSL text of the pupil's sampling: a field, a focus, a zoom, a stop and two random numbers in; a point of the
-//! sampling plane and the area that it represents out.
+//! OSL text of the pupil's sampling. The function takes a field, a focus, a zoom, a stop and two random numbers; it
+//! returns a point of the sampling plane and the area that it represents.
 
 use super::numbers::Numbers as Moving;
 use super::optics::Optics;
-use super::stop::{NO_LIMIT, Numbers, StopView};
-use super::table::{FIELDS, FOCI, Node, PLACES, Table};
+use super::stop::{EggCoefficients, NO_LIMIT, StopView};
+use super::table::{FIELDS, FOCI, HEIGHTS, PupilNode, PupilTable};
 use super::text::{array, number};
 use std::fmt::Write as _;
 
 /// Numbers of a node: low, high, g, and those of the stop's image.
-const NODE: usize = 2 + PLACES + STOP;
+const NODE: usize = 2 + HEIGHTS + STOP;
 const STOP: usize = 10;
 /// Numbers of the film's centre per focus: the radius at the widest stop, and the three of the stop's image.
 const AXIS: usize = 4;
 
 /// Returns the function `pupil`. For a zoom lens it has a parameter `zoomed`, too.
-pub fn text(stations: &[Optics], table: &Table) -> String {
+pub fn text(stations: &[Optics], table: &PupilTable) -> String {
     let zooms = stations.len() > 1;
     let images = all_images(stations, table);
-    let nodes = table.nodes.iter().zip(images).flat_map(|(Node { low, high, g }, image)| {
+    let nodes = table.nodes.iter().zip(images).flat_map(|(PupilNode { low, high, g }, image)| {
         [*low, *high].into_iter().chain(*g).chain(image).collect::<Vec<f64>>()
     });
-    // The table's numbers at this place of a node, interpolated.
+    // The table's numbers at this index of a node, interpolated.
     let corners = if zooms { 8 } else { 4 };
-    let sum = |place: &str| {
-        let terms: Vec<String> = (0..corners).map(|n| format!("w{n}*T[n{n}{place}]")).collect();
+    let sum = |index: &str| {
+        let terms: Vec<String> = (0..corners).map(|n| format!("w{n}*T[n{n}{index}]")).collect();
         terms.join(" + ")
     };
     let mut weights = format!(
@@ -113,11 +113,11 @@ pub fn text(stations: &[Optics], table: &Table) -> String {
         FOCI - 2,
         sum(""),
         sum(" + 1"),
-        2 + PLACES,
+        2 + HEIGHTS,
         sum(" + at + k"),
         number(std::f64::consts::TAU),
-        number((PLACES - 1) as f64 / 2.0),
-        PLACES - 2,
+        number((HEIGHTS - 1) as f64 / 2.0),
+        HEIGHTS - 2,
         sum(" + i"),
         sum(" + i + 1"),
     )
@@ -125,7 +125,7 @@ pub fn text(stations: &[Optics], table: &Table) -> String {
 
 /// Returns the text that computes `opening`, the square of the radius of the pupil of the film's centre, mm², from `b`,
 /// `stop` and its square; and the array that it needs, if the lens does not zoom.
-pub fn opening(stations: &[Optics], table: &Table, numbers: &mut Moving) -> String {
+pub fn opening(stations: &[Optics], table: &PupilTable, numbers: &mut Moving) -> String {
     let rows: Vec<Vec<f64>> = stations
         .iter()
         .zip(&table.stations)
@@ -143,7 +143,7 @@ pub fn opening(stations: &[Optics], table: &Table, numbers: &mut Moving) -> Stri
         rows => (String::new(), "C", numbers.block(rows)),
     };
     let at = |step: usize, term: usize| format!("{name}[at + {}]", start + AXIS * step + term);
-    let rim = |step: usize| format!("({} + s2*({} + s2*{}))", at(step, 1), at(step, 2), at(step, 3));
+    let stop_radius = |step: usize| format!("({} + s2*({} + s2*{}))", at(step, 1), at(step, 2), at(step, 3));
     format!(
         "  /* The radius of the pupil of the film's centre, mm. */\n{declared}  \
            int at = min(int(b), {});\n  \
@@ -152,8 +152,8 @@ pub fn opening(stations: &[Optics], table: &Table, numbers: &mut Moving) -> Stri
            float opening = min(stop*((1 - c)*{} + c*{}), (1 - c)*{} + c*{});\n  \
            opening *= opening;\n",
         FOCI - 2,
-        rim(0),
-        rim(1),
+        stop_radius(0),
+        stop_radius(1),
         at(0, 0),
         at(1, 0),
     )
@@ -161,8 +161,8 @@ pub fn opening(stations: &[Optics], table: &Table, numbers: &mut Moving) -> Stri
 
 /// Returns the images of the stop at all nodes, wide enough that those interpolated between nodes of the zoom contain
 /// the true ones.
-fn all_images(stations: &[Optics], table: &Table) -> Vec<Numbers> {
-    let of = |(station, optics): (usize, &Optics)| -> Vec<Numbers> {
+fn all_images(stations: &[Optics], table: &PupilTable) -> Vec<EggCoefficients> {
+    let of = |(station, optics): (usize, &Optics)| -> Vec<EggCoefficients> {
         let foci = &table.stations[station].foci;
         foci.iter()
             .flat_map(|(lens, distance)| {
@@ -170,7 +170,7 @@ fn all_images(stations: &[Optics], table: &Table) -> Vec<Numbers> {
             })
             .collect()
     };
-    let all: Vec<Vec<Numbers>> = stations.iter().enumerate().map(of).collect();
+    let all: Vec<Vec<EggCoefficients>> = stations.iter().enumerate().map(of).collect();
     // Factor by which each node's image must be wider.
     let mut widening = vec![vec![1.0_f64; FOCI * FIELDS]; all.len()];
     for between in (1..all.len()).step_by(2) {
@@ -181,7 +181,8 @@ fn all_images(stations: &[Optics], table: &Table) -> Vec<Numbers> {
             }
             for s in [0.125_f64, 0.25, 0.5, 1.0] {
                 let s2 = s * s;
-                let terms = |image: &Numbers, k: usize| image[k] + s2 * (image[k + 1] + s2 * image[k + 2]);
+                let terms =
+                    |image: &EggCoefficients, k: usize| image[k] + s2 * (image[k + 1] + s2 * image[k + 2]);
                 let mean = |k: usize| f64::midpoint(terms(ends[0], k), terms(ends[1], k));
                 // The widths are over s, the centre is not.
                 let off = (terms(image, 0) - mean(0)).abs() / s;
@@ -192,7 +193,7 @@ fn all_images(stations: &[Optics], table: &Table) -> Vec<Numbers> {
             }
         }
     }
-    let widened = |(mut image, widening): (Numbers, f64)| {
+    let widened = |(mut image, widening): (EggCoefficients, f64)| {
         image[3..9].iter_mut().for_each(|number| *number *= widening);
         image
     };
@@ -203,9 +204,9 @@ fn all_images(stations: &[Optics], table: &Table) -> Vec<Numbers> {
 /// Returns the images of the stop at the nodes of one focus. There is no limit from the first field on for which rays
 /// do not reach the stop's centre. Between a limit and no limit the shader interpolates a very loose limit, which
 /// excludes nothing.
-fn images(view: &StopView, field_of: impl Fn(f64) -> f64) -> Vec<Numbers> {
+fn images(view: &StopView, field_of: impl Fn(f64) -> f64) -> Vec<EggCoefficients> {
     let mut near = [0.0, 0.0];
-    let mut images: Vec<Numbers> = Vec::new();
+    let mut images: Vec<EggCoefficients> = Vec::new();
     for i in 0..FIELDS {
         let field = field_of(i as f64);
         match view.image(field, near) {

@@ -54,9 +54,9 @@ mod tests {
         let [from, to] = region.reach();
         assert!((from - 3.0).abs() < 1e-12 && (to - 7.0).abs() < 1e-12, "{from} {to}");
         for x in [-0.9, -0.5, 0.0, 0.3, 0.8_f64] {
-            let wanted = 3.0 * (1.0 - x * x).sqrt();
+            let expected = 3.0 * (1.0 - x * x).sqrt();
             let found = region.height(5.0 + 2.0 * x).expect("inside");
-            assert!((found - wanted).abs() < 2e-3, "{x}: {found} {wanted}");
+            assert!((found - expected).abs() < 2e-3, "{x}: {found} {expected}");
         }
         assert_eq!(region.height(7.1), None);
         assert!(Region::of(|_| None).is_none());

@@ -7,9 +7,9 @@ use super::optics::{FOCUS_TERMS, Optics, STOP_TERMS};
 use super::polynomial::Polynomial;
 use super::pupil;
 use super::stations::Station;
-use super::table::{FOCI, Span, Table};
+use super::table::{FOCI, PupilTable, Span};
 use super::text::{is_complete, number, plain};
-use super::trace::{self, Traced};
+use super::trace::{self, TracedLens};
 use crate::failure::Failure;
 use realistic_base::message::{as_given, fixed, short};
 use realistic_light::Absorbers;
@@ -21,7 +21,7 @@ const MOST_SURFACES: usize = 64;
 
 /// The input of the shader generator.
 #[derive(Debug)]
-pub struct Request<'a> {
+pub struct ShaderRequest<'a> {
     pub prescription: &'a Prescription,
     /// The lens at its widest stop, at its focal lengths, and the index of the initial one.
     pub stations: &'a [Station],
@@ -39,7 +39,7 @@ pub struct Request<'a> {
 
 /// A shader and the facts reported to its user.
 #[derive(Debug)]
-pub struct Camera {
+pub struct OslCamera {
     pub text: String,
     /// Shortest and longest focal length, mm; equal for a lens that does not zoom.
     pub focal_lengths: [f64; 2],
@@ -51,13 +51,13 @@ pub struct Camera {
     pub reach: f64,
 }
 
-impl Camera {
+impl OslCamera {
     /// Writes the shader.
     ///
     /// # Errors
     /// The lens has too many surfaces, cannot focus, or passes no light.
-    pub fn of(request: &Request<'_>) -> Result<Self, Failure> {
-        let Request { prescription, stations, start, .. } = *request;
+    pub fn of(request: &ShaderRequest<'_>) -> Result<Self, Failure> {
+        let ShaderRequest { prescription, stations, start, .. } = *request;
         let lens = &stations[start].lens;
         let name = &lens.name;
         if lens.surfaces.len() > MOST_SURFACES {
@@ -75,7 +75,7 @@ impl Camera {
         } else {
             Vec::new()
         };
-        let table = Table::of(&all, &others, request.reach)
+        let table = PupilTable::of(&all, &others, request.reach)
             .ok_or_else(|| Failure::Other(format!("no light passes along the axis of lens \"{name}\"")))?;
         let bright = |(optics, span): (&Optics, &Span)| {
             span.widest_field * (optics.film_distance(0.0, 1.0) + optics.plane)
@@ -92,22 +92,22 @@ impl Camera {
             nearest,
             reach,
         };
-        let (gaps, rim_moves) = moving(&all);
+        let (gaps, stop_radius_moves) = moving(&all);
         let mut widest = optics.lens.clone();
-        let rim = |optics: &Optics| optics.lens.surfaces[optics.stop].semi_diameter;
-        widest.surfaces[optics.stop].semi_diameter = all.iter().map(rim).fold(0.0, f64::max);
+        let stop_radius = |optics: &Optics| optics.lens.surfaces[optics.stop].semi_diameter;
+        widest.surfaces[optics.stop].semi_diameter = all.iter().map(stop_radius).fold(0.0, f64::max);
         let wavelength = (!request.spectral).then_some(widest.wavelength);
         let absorbers = Absorbers::new(&prescription.transmittances());
         let light =
             request.coatings.map(|coatings| Light::new(&widest.surfaces, coatings, &absorbers, wavelength));
         let functions = light.as_ref().map(Light::functions);
-        let traced = Traced {
+        let traced = TracedLens {
             lens: &widest,
             stop: optics.stop,
             blades: prescription.blades,
             focal_length: optics.focal_length,
             gaps: &gaps,
-            rim_moves,
+            stop_radius_moves,
             indices: request.spectral.then(|| glass::declarations(&glass::indices(prescription))),
             light,
         };
@@ -116,7 +116,7 @@ impl Camera {
             + &functions.unwrap_or_default()
             + &pupil::text(&all, &table)
             + &trace::text(&traced)
-            + &body(request, &all, &table, &traced);
+            + &entry_function(request, &all, &table, &traced);
         if !is_complete(&camera.text) {
             return Err(Failure::Other(format!(
                 "lens \"{name}\" has numbers beyond single precision, in which a shader computes; give a lens of millimetres, as in \
@@ -126,7 +126,7 @@ impl Camera {
         Ok(camera)
     }
 
-    fn header(&self, request: &Request<'_>) -> String {
+    fn header(&self, request: &ShaderRequest<'_>) -> String {
         let Prescription { title, .. } = request.prescription;
         let wavelength = if request.spectral {
             let [from, to] = glass::ENDS;
@@ -200,14 +200,14 @@ fn moving(all: &[Optics]) -> (Vec<(usize, f64)>, bool) {
 }
 
 /// Returns the text of the moving values as functions of the focus.
-fn moved(all: &[Optics], traced: &Traced<'_>, numbers: &mut Numbers) -> Vec<(String, String)> {
+fn moved(all: &[Optics], traced: &TracedLens<'_>, numbers: &mut Numbers) -> Vec<(String, String)> {
     let fixed = |value: f64| Polynomial([value, 0.0, 0.0, 0.0, 0.0]);
     let gap = |optics: &Optics, row: usize| match &optics.motion {
         Some(motion) => motion.gaps[row],
         None => fixed(optics.lens.surfaces[row].thickness),
     };
-    let rim = |optics: &Optics| match &optics.motion {
-        Some(motion) => motion.rim,
+    let stop_radius = |optics: &Optics| match &optics.motion {
+        Some(motion) => motion.stop_radius,
         None => fixed(optics.lens.surfaces[optics.stop].semi_diameter),
     };
     let mut of = |value: &dyn Fn(&Optics) -> Polynomial<FOCUS_TERMS>| {
@@ -217,8 +217,8 @@ fn moved(all: &[Optics], traced: &Traced<'_>, numbers: &mut Numbers) -> Vec<(Str
     };
     let mut texts: Vec<String> =
         traced.gaps.iter().map(|&(row, _)| of(&|optics: &Optics| gap(optics, row))).collect();
-    if traced.rim_moves {
-        texts.push(of(&rim));
+    if traced.stop_radius_moves {
+        texts.push(of(&stop_radius));
     }
     traced.moving().into_iter().zip(texts).collect()
 }
@@ -234,7 +234,12 @@ fn film_distance(all: &[Optics], numbers: &mut Numbers) -> String {
 }
 
 /// Returns the shader with its parameters.
-fn body(request: &Request<'_>, all: &[Optics], table: &Table, traced: &Traced<'_>) -> String {
+fn entry_function(
+    request: &ShaderRequest<'_>,
+    all: &[Optics],
+    table: &PupilTable,
+    traced: &TracedLens<'_>,
+) -> String {
     let colour = if request.spectral {
         "  /* A wavelength of its own for every sample: a third random number, by hashing the two that there are. */\n  \
            float nm = mix(420, 680, noise(\"hash\", point(lens_sample[0], lens_sample[1], raster[0]), raster[1]));\n"
@@ -264,7 +269,7 @@ fn body(request: &Request<'_>, all: &[Optics], table: &Table, traced: &Traced<'_
     let magnified = of(|optics| optics.nearest * optics.focal_length);
     let steps = (FOCI - 1) as f64;
     // Place in the table for a focus.
-    let place = if all[0].motion.is_some() {
+    let table_position = if all[0].motion.is_some() {
         format!("{}*focus", number(steps))
     } else {
         let per = |optics: &Optics| {
@@ -343,7 +348,7 @@ fn body(request: &Request<'_>, all: &[Optics], table: &Table, traced: &Traced<'_
            float ex = r > 0 ? fx/r : 1;\n  \
            float ey = r > 0 ? fy/r : 0;\n  \
            float far = 1/(back + {plane});\n  \
-           float b = clamp({place}, 0.0, {});\n  \
+           float b = clamp({table_position}, 0.0, {});\n  \
            float px = 0, py = 0, patch = 0;\n  \
            if (!pupil(r*far*{field}, b,{} stop, lens_sample[0], lens_sample[1], px, py, patch))\n    return;\n\n{}  \
            /* Slopes, and the ray on the plane of the last vertex. */\n  \

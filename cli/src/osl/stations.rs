@@ -1,8 +1,8 @@
 //! A lens whose groups move, at the focal lengths between which a shader interpolates.
 //!
-//! A prescription and a request in; a lens for each of an odd number of focal lengths out, or one lens if it does not
-//! zoom. Those of even index are the zoom's nodes, among them the positions of the lens file; each of odd index is in
-//! the middle between two nodes, by the logarithm of the focal length.
+//! Takes a prescription and a request; returns a lens for each of an odd number of focal lengths, or one lens if it
+//! does not zoom. Stations of even index are the zoom's nodes, among them the positions of the lens file. A station of
+//! odd index is in the middle between two nodes, by the logarithm of the focal length.
 
 use realistic_base::numeric::root;
 use realistic_camera::Zoom;
@@ -37,7 +37,7 @@ struct Focusing {
 
 /// The requested lens and movement.
 #[derive(Clone, Copy, Debug)]
-pub struct Asked<'a> {
+pub struct StationRequest<'a> {
     /// The lens at the requested focal length, if any.
     pub lens: &'a Lens,
     pub stop: StopSize,
@@ -53,10 +53,10 @@ impl Station {
         Self { zoom, lens: lens.clone(), focusing: None }
     }
 
-    fn of(travel: FocusTravel, zoom: f64, asked: Asked<'_>) -> Result<Self, LensError> {
-        let wavelength = asked.lens.wavelength;
-        let lens = set_up(&travel.at(travel.start()), wavelength, asked.stop, &mut |_, _| ())?.lens;
-        let focusing = asked.by_groups.then_some(Focusing { travel, wavelength, stop: asked.stop });
+    fn of(travel: FocusTravel, zoom: f64, request: StationRequest<'_>) -> Result<Self, LensError> {
+        let wavelength = request.lens.wavelength;
+        let lens = set_up(&travel.at(travel.start()), wavelength, request.stop, &mut |_, _| ())?.lens;
+        let focusing = request.by_groups.then_some(Focusing { travel, wavelength, stop: request.stop });
         Ok(Self { zoom, lens, focusing })
     }
 
@@ -65,30 +65,30 @@ impl Station {
         self.focusing.is_some()
     }
 
-    /// Returns the lens with its groups focused on an object 1/`vergence` mm in front of it, and with the film in the
-    /// file's place.
+    /// Returns the lens with its groups focused on an object 1/`vergence` mm in front of it, and with the film at the
+    /// file's position.
     pub fn focused(&self, vergence: f64) -> Option<Lens> {
         let Focusing { travel, wavelength, stop } = self.focusing.as_ref()?;
-        let at = |place: f64| {
-            let prescription = travel.at(place);
+        let at = |position: f64| {
+            let prescription = travel.at(position);
             let opened = set_up(&prescription, *wavelength, *stop, &mut |_, _| ()).ok()?;
             Some((prescription.nominal_film_distance, opened))
         };
-        let off = |place: f64| match at(place) {
+        let off = |position: f64| match at(position) {
             Some((Some(film), OpenLens { lens, beam, .. })) => {
                 AxialImage::of(&lens, beam.entrance).best(vergence).distance - film
             }
             _ => f64::NAN,
         };
         let [far, near] = travel.range();
-        let place = match [off(far), off(near)] {
+        let position = match [off(far), off(near)] {
             [before, behind] if before * behind < 0.0 => root(far, near, off),
             [before, behind] if before.abs() < behind.abs() => far,
             [_, behind] if behind.is_finite() => near,
-            // Without a stated film distance, the place is the table's for this object.
+            // Without a stated film distance, the position is the table's for this object.
             _ => vergence.clamp(far, near),
         };
-        at(place).map(|(_, opened)| opened.lens)
+        at(position).map(|(_, opened)| opened.lens)
     }
 }
 
@@ -96,11 +96,14 @@ impl Station {
 ///
 /// # Errors
 /// The lens does not zoom as requested.
-pub fn stations(prescription: &Prescription, asked: Asked<'_>) -> Result<(Vec<Station>, usize), MovingError> {
+pub fn stations(
+    prescription: &Prescription,
+    request: StationRequest<'_>,
+) -> Result<(Vec<Station>, usize), MovingError> {
     let own = |lens: &Lens| FirstOrder::of(lens).map_or(0.0, |optics| optics.focal_length.abs());
-    let unmoved = || (vec![Station::fixed(asked.lens, own(asked.lens))], 0);
+    let unmoved = || (vec![Station::fixed(request.lens, own(request.lens))], 0);
     let Some(groups) = MovingGroups::of(prescription) else { return Ok(unmoved()) };
-    // Groups focus on the film in its own place, which follows the image as the lens zooms.
+    // Groups focus on the film at its own position, which follows the image as the lens zooms.
     let image = |prescription: &Prescription, vergence: f64| {
         let OpenLens { lens, beam, .. } = OpenLens::new(Lens::at_own_wavelength(prescription));
         Some(AxialImage::of(&lens, beam.entrance).best(vergence).distance)
@@ -108,9 +111,10 @@ pub fn stations(prescription: &Prescription, asked: Asked<'_>) -> Result<(Vec<St
     };
     let zoomed = |focal_length: f64| groups.zoomed(focal_length, image);
     let one = |travel: FocusTravel| {
-        Station::of(travel, own(asked.lens), asked).map_or_else(|_| unmoved(), |station| (vec![station], 0))
+        Station::of(travel, own(request.lens), request)
+            .map_or_else(|_| unmoved(), |station| (vec![station], 0))
     };
-    match asked.zoom {
+    match request.zoom {
         Some(Zoom::FocalLength(focal_length)) => return Ok(one(zoomed(*focal_length)?)),
         Some(Zoom::Position(name)) => return Ok(one(groups.named(name)?)),
         None if !groups.is_zoom() => return Ok(one(groups.position(0))),
@@ -129,17 +133,17 @@ pub fn stations(prescription: &Prescription, asked: Asked<'_>) -> Result<(Vec<St
     let step = STEP.max(whole / MOST_STEPS);
     let mut travels = vec![listed[0].clone()];
     for pair in listed.windows(2) {
-        let way = (pair[1].0 / pair[0].0).ln();
+        let log_ratio = (pair[1].0 / pair[0].0).ln();
         // Each step has two stations, and the second is a node.
-        let parts = 2 * (way / step).ceil().max(1.0) as usize;
+        let parts = 2 * (log_ratio / step).ceil().max(1.0) as usize;
         for part in 1..parts {
-            let focal_length = pair[0].0 * (way * part as f64 / parts as f64).exp();
+            let focal_length = pair[0].0 * (log_ratio * part as f64 / parts as f64).exp();
             travels.push((focal_length, zoomed(focal_length)?));
         }
         travels.push(pair[1].clone());
     }
     let start = travels.iter().position(|(focal_length, _)| *focal_length == first).unwrap_or(0);
     let all: Result<Vec<Station>, LensError> =
-        travels.into_iter().map(|(zoom, travel)| Station::of(travel, zoom, asked)).collect();
+        travels.into_iter().map(|(zoom, travel)| Station::of(travel, zoom, request)).collect();
     Ok(all.map_or_else(|_| unmoved(), |all| (all, start)))
 }

@@ -12,15 +12,16 @@ use realistic_optics::trace::{Blocked, Path};
 use std::f64::consts::PI;
 
 /// The coefficients c0 to c2, w0 to w2, h0 to h2, e.
-pub type Numbers = [f64; 10];
+pub type EggCoefficients = [f64; 10];
 
 /// The image of a stop that sets no limit, in mm.
-pub const NO_LIMIT: Numbers = [0.0, 0.0, 0.0, 1e6, 0.0, 0.0, 1e6, 0.0, 0.0, 0.0];
+pub const NO_LIMIT: EggCoefficients = [0.0, 0.0, 0.0, 1e6, 0.0, 0.0, 1e6, 0.0, 0.0, 0.0];
 
-/// Stops at which the image is traced, and directions over half a turn.
+/// Stops at which the image is traced.
 const STOPS: [f64; 8] = [0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85, 1.0];
 /// Number of stops from which a third term is fitted; with fewer it would diverge beyond them.
 const STEADY: usize = 6;
+/// Directions over half a turn in which the image is traced, less one.
 const DIRECTIONS: usize = 12;
 /// Share by which the image is finally widened, to cover images between the fields of the table.
 const MARGIN: f64 = 0.002;
@@ -65,14 +66,14 @@ impl StopView {
         arrived.then(|| [walk.ray.origin[0] / self.widest, walk.ray.origin[1] / self.widest])
     }
 
-    /// Returns the point of the sampling plane through which a ray reaches the stop's point `wanted`, by Newton's
+    /// Returns the point of the sampling plane through which a ray reaches the stop's point `target`, by Newton's
     /// method from `start`.
-    fn seen(&self, field: f64, wanted: [f64; 2], start: [f64; 2]) -> Option<[f64; 2]> {
+    fn seen(&self, field: f64, target: [f64; 2], start: [f64; 2]) -> Option<[f64; 2]> {
         let mut point = start;
         let step = 1e-6 * self.distance;
         for _ in 0..20 {
             let [qx, qy] = self.in_stop(field, point)?;
-            let [ex, ey] = [wanted[0] - qx, wanted[1] - qy];
+            let [ex, ey] = [target[0] - qx, target[1] - qy];
             if ex.hypot(ey) < 1e-9 {
                 return Some(point);
             }
@@ -89,21 +90,21 @@ impl StopView {
 
     /// Returns the image for field σ, and its centre, which approximates that of the next field. `near` is the centre
     /// for the field before.
-    pub fn image(&self, field: f64, near: [f64; 2]) -> Option<(Numbers, [f64; 2])> {
+    pub fn image(&self, field: f64, near: [f64; 2]) -> Option<(EggCoefficients, [f64; 2])> {
         let center = self.seen(field, [0.0, 0.0], near)?;
         let mut before = [center; DIRECTIONS + 1];
-        let mut rims: Vec<(f64, Vec<[f64; 2]>)> = Vec::new();
+        let mut outlines: Vec<(f64, Vec<[f64; 2]>)> = Vec::new();
         for s in STOPS {
-            let rim = (0..=DIRECTIONS).map(|i| {
+            let outline = (0..=DIRECTIONS).map(|i| {
                 let (sin, cos) = (PI * i as f64 / DIRECTIONS as f64).sin_cos();
                 let found = self.seen(field, [s * cos, s * sin], before[i])?;
                 before[i] = found;
                 Some(found)
             });
-            let Some(rim) = rim.collect() else { break };
-            rims.push((s, rim));
+            let Some(outline) = outline.collect() else { break };
+            outlines.push((s, outline));
         }
-        (rims.len() >= 2).then(|| (numbers(&rims), center))
+        (outlines.len() >= 2).then(|| (egg_coefficients(&outlines), center))
     }
 
     /// Returns the radius of the image for the film's centre, as a polynomial s (k0 + k1 s² + k2 s⁴).
@@ -117,41 +118,46 @@ impl StopView {
 
 /// Returns the egg around these images of the aperture, each a list of points from the greatest x to the least (or in
 /// reverse).
-fn numbers(rims: &[(f64, Vec<[f64; 2]>)]) -> Numbers {
-    let ends = |rim: &[[f64; 2]]| {
-        let (a, b) = (rim[0][0], rim[rim.len() - 1][0]);
+fn egg_coefficients(outlines: &[(f64, Vec<[f64; 2]>)]) -> EggCoefficients {
+    let ends = |outline: &[[f64; 2]]| {
+        let (a, b) = (outline[0][0], outline[outline.len() - 1][0]);
         [a.min(b), a.max(b)]
     };
-    let basis: Vec<[f64; 3]> =
-        rims.iter().map(|(s, _)| [1.0, s * s, if rims.len() < STEADY { 0.0 } else { s.powi(4) }]).collect();
+    let basis: Vec<[f64; 3]> = outlines
+        .iter()
+        .map(|(s, _)| [1.0, s * s, if outlines.len() < STEADY { 0.0 } else { s.powi(4) }])
+        .collect();
     let over_stops = |value: &dyn Fn(f64, &[[f64; 2]]) -> f64| -> [f64; 3] {
-        least_squares(&basis, &rims.iter().map(|(s, rim)| value(*s, rim)).collect::<Vec<_>>())
+        least_squares(&basis, &outlines.iter().map(|(s, outline)| value(*s, outline)).collect::<Vec<_>>())
     };
-    let c = over_stops(&|_, rim| f64::midpoint(ends(rim)[0], ends(rim)[1]));
-    let w = over_stops(&|s, rim| (ends(rim)[1] - ends(rim)[0]) / 2.0 / s);
+    let c = over_stops(&|_, outline| f64::midpoint(ends(outline)[0], ends(outline)[1]));
+    let w = over_stops(&|s, outline| (ends(outline)[1] - ends(outline)[0]) / 2.0 / s);
     // h and h e of |y| / √(1 - X²) = h + h e X.
-    let shape = |rim: &[[f64; 2]]| -> [f64; 2] {
-        let [low, high] = ends(rim);
-        let inner = &rim[1..rim.len() - 1];
+    let shape = |outline: &[[f64; 2]]| -> [f64; 2] {
+        let [low, high] = ends(outline);
+        let inner = &outline[1..outline.len() - 1];
         let at = |[x, _]: &[f64; 2]| (2.0 * x - low - high) / (high - low);
         let root = |point: &[f64; 2]| (1.0 - at(point).powi(2)).max(1e-9).sqrt();
         let basis: Vec<[f64; 2]> = inner.iter().map(|point| [1.0, at(point)]).collect();
         least_squares(&basis, &inner.iter().map(|point| point[1].abs() / root(point)).collect::<Vec<_>>())
     };
-    let h = over_stops(&|s, rim| shape(rim)[0] / s);
-    let [e, ..] = over_stops(&|s, rim| shape(rim)[1] / shape(rim)[0] / s);
+    let h = over_stops(&|s, outline| shape(outline)[0] / s);
+    let [e, ..] = over_stops(&|s, outline| shape(outline)[1] / shape(outline)[0] / s);
     // Each image's ellipse must be wider by a factor, and a parabola of s lies above all the factors.
-    let outside = |[w, h]: [[f64; 3]; 2], (s, rim): &(f64, Vec<[f64; 2]>)| {
+    let outside = |[w, h]: [[f64; 3]; 2], (s, outline): &(f64, Vec<[f64; 2]>)| {
         let at = |terms: [f64; 3]| terms[0] + s * s * (terms[1] + s * s * terms[2]);
         let (c, w, h) = (at(c), s * at(w), s * at(h));
         let of = |[x, y]: &[f64; 2]| ((x - c) / w).hypot(y / (h * (1.0 + e * s * (x - c) / w)));
-        rim.iter().map(of).fold(1.0, f64::max)
+        outline.iter().map(of).fold(1.0, f64::max)
     };
-    let least = outside([w, h], &rims[0]);
-    let steepest =
-        rims.iter().map(|rim| (outside([w, h], rim) / least - 1.0) / (rim.0 * rim.0)).fold(0.0, f64::max);
+    let least = outside([w, h], &outlines[0]);
+    let steepest = outlines
+        .iter()
+        .map(|outline| (outside([w, h], outline) / least - 1.0) / (outline.0 * outline.0))
+        .fold(0.0, f64::max);
     let [w, h] = [w, h].map(|[t0, t1, t2]| [least * t0, least * (t1 + steepest * t0), least * t2]);
-    let widened = rims.iter().map(|rim| outside([w, h], rim)).fold(1.0, f64::max) * (1.0 + MARGIN);
+    let widened =
+        outlines.iter().map(|outline| outside([w, h], outline)).fold(1.0, f64::max) * (1.0 + MARGIN);
     let [w, h] = [w, h].map(|terms| terms.map(|term| term * widened));
     [c[0], c[1], c[2], w[0], w[1], w[2], h[0], h[1], h[2], e]
 }

@@ -15,8 +15,8 @@ use super::region::Region;
 use realistic_optics::lens::Lens;
 
 /// Values of g per node.
-pub const PLACES: usize = 13;
-/// Nodes along the field, and along 1/B or the focus, from the film's place for infinity to that for the nearest
+pub const HEIGHTS: usize = 13;
+/// Nodes along the field, and along 1/B or the focus, from the film's position for infinity to that for the nearest
 /// object.
 pub const FIELDS: usize = 25;
 pub const FOCI: usize = 4;
@@ -25,23 +25,23 @@ pub const FOCI: usize = 4;
 const FIELD_PARTS: usize = 3;
 const FOCUS_PARTS: usize = 2;
 /// Heights checked between two values of g.
-const PLACE_PARTS: usize = 6;
+const HEIGHT_PARTS: usize = 6;
 /// Share of its width and height by which a region is finally widened, to cover regions between those traced.
 const MARGIN: f64 = 0.0015;
 
 /// A region.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Node {
+pub struct PupilNode {
     pub low: f64,
     pub high: f64,
-    pub g: [f64; PLACES],
+    pub g: [f64; HEIGHTS],
 }
 
 /// The table of pupils.
 #[derive(Debug)]
-pub struct Table {
+pub struct PupilTable {
     /// Nodes by zoom, then by 1/B, then by field.
-    pub nodes: Vec<Node>,
+    pub nodes: Vec<PupilNode>,
     /// Whether the film is dark at the last nodes' field, rather than out of reach.
     pub ends_dark: bool,
     pub stations: Vec<Span>,
@@ -58,15 +58,15 @@ pub struct Span {
     pub foci: [(Lens, f64); FOCI],
 }
 
-/// A traced region and its place in the table, in steps.
-struct Traced {
+/// A traced region and its position in the table, in steps.
+struct TracedRegion {
     zoom: f64,
     field: f64,
     focus: f64,
     region: Region,
 }
 
-impl Table {
+impl PupilTable {
     /// Makes the table for film points up to `reach` mm from the axis; `None` if the film's centre is dark. `others`
     /// are lenses of the same glasses at other wavelengths, whose pupils the table contains, too.
     pub fn of(stations: &[Optics], others: &[Lens], reach: f64) -> Option<Self> {
@@ -79,7 +79,7 @@ impl Table {
         let (foci, fields): (Vec<_>, Vec<_>) = all?.into_iter().map(|own| (own.foci, own.focused)).unzip();
         let widest: Vec<(f64, bool)> = fields.iter().map(|fields| widest_field(fields)).collect();
         let ends_dark = widest.iter().all(|(_, ends_dark)| *ends_dark);
-        let traced: Vec<Traced> = fields
+        let traced: Vec<TracedRegion> = fields
             .iter()
             .zip(&widest)
             .enumerate()
@@ -87,7 +87,7 @@ impl Table {
             .collect();
         let radius = |station: usize, focus: usize| {
             let zoom = station as f64 / 2.0;
-            let center = |at: &&Traced| at.zoom == zoom && at.field == 0.0 && at.focus == focus as f64;
+            let center = |at: &&TracedRegion| at.zoom == zoom && at.field == 0.0 && at.focus == focus as f64;
             traced.iter().find(center).map_or(0.0, |at| at.region.reach()[1])
         };
         let spans = widest.iter().zip(foci).enumerate().map(|(station, (&(widest_field, _), foci))| Span {
@@ -108,8 +108,8 @@ impl Table {
         field_at(node / (FIELDS - 1) as f64, self.stations[station].widest_field, self.ends_dark)
     }
 
-    /// Returns the nodes around a place, with their weights.
-    fn around(&Traced { zoom, field, focus, .. }: &Traced) -> Vec<(usize, f64)> {
+    /// Returns the nodes around a position in the table, with their weights.
+    fn around(&TracedRegion { zoom, field, focus, .. }: &TracedRegion) -> Vec<(usize, f64)> {
         let (i, j, k) = ((field as usize).min(FIELDS - 2), (focus as usize).min(FOCI - 2), zoom as usize);
         let (a, b, c) = (field - i as f64, focus - j as f64, zoom - k as f64);
         let corner = |n: usize| {
@@ -120,11 +120,11 @@ impl Table {
         (0..8).map(corner).filter(|(_, weight)| *weight > 0.0).collect()
     }
 
-    fn interpolated(&self, nodes: &[(usize, f64)], value: impl Fn(&Node) -> f64) -> f64 {
+    fn interpolated(&self, nodes: &[(usize, f64)], value: impl Fn(&PupilNode) -> f64) -> f64 {
         nodes.iter().map(|&(node, weight)| weight * value(&self.nodes[node])).sum()
     }
 
-    fn widen_reach(&mut self, traced: &[Traced]) {
+    fn widen_reach(&mut self, traced: &[TracedRegion]) {
         for at in traced {
             let (nodes, region) = (Self::around(at), &at.region);
             let [low, high] = region.reach();
@@ -142,25 +142,25 @@ impl Table {
         }
     }
 
-    fn widen_heights(&mut self, traced: &[Traced]) {
-        let last = (PLACES - 1) as f64;
+    fn widen_heights(&mut self, traced: &[TracedRegion]) {
+        let last = (HEIGHTS - 1) as f64;
         for at in traced {
             let (nodes, region) = (Self::around(at), &at.region);
             let low = self.interpolated(&nodes, |node| node.low);
             let half = (self.interpolated(&nodes, |node| node.high) - low) / 2.0;
-            for part in 1..(PLACES - 1) * PLACE_PARTS {
-                let place = part as f64 / PLACE_PARTS as f64;
-                let x = 2.0 * place / last - 1.0;
+            for part in 1..(HEIGHTS - 1) * HEIGHT_PARTS {
+                let position = part as f64 / HEIGHT_PARTS as f64;
+                let x = 2.0 * position / last - 1.0;
                 let Some(height) = region.height(low + half * (1.0 + x)) else { continue };
                 let needed = height / (1.0 - x * x).sqrt();
-                let k = (place as usize).min(PLACES - 2);
-                let share = place - k as f64;
-                let g = |node: &Node| (1.0 - share) * node.g[k] + share * node.g[k + 1];
+                let k = (position as usize).min(HEIGHTS - 2);
+                let share = position - k as f64;
+                let g = |node: &PupilNode| (1.0 - share) * node.g[k] + share * node.g[k + 1];
                 let missing = needed - self.interpolated(&nodes, g);
                 if missing > 0.0 {
-                    let of_place = (1.0 - share).powi(2) + share * share;
+                    let position_squares = (1.0 - share).powi(2) + share * share;
                     let squares: f64 =
-                        of_place * nodes.iter().map(|(_, weight)| weight * weight).sum::<f64>();
+                        position_squares * nodes.iter().map(|(_, weight)| weight * weight).sum::<f64>();
                     for &(node, weight) in &nodes {
                         self.nodes[node].g[k] += (1.0 - share) * weight * missing / squares;
                         self.nodes[node].g[k + 1] += share * weight * missing / squares;
@@ -212,13 +212,13 @@ fn focused(optics: &Optics, station: usize, others: &[Lens], reach: f64) -> Opti
 }
 
 /// Traces the regions of a station.
-fn traced(fields: &[Focused], station: usize, widest_field: f64, ends_dark: bool) -> Vec<Traced> {
+fn traced(fields: &[Focused], station: usize, widest_field: f64, ends_dark: bool) -> Vec<TracedRegion> {
     let (zoom, steps) = (station as f64 / 2.0, (FIELDS - 1) * FIELD_PARTS);
     let mut traced = Vec::new();
     for Focused { focus, field } in fields {
         let pupil = |i: usize| field.pupil(field_at(i as f64 / steps as f64, widest_field, ends_dark));
         let pupils = (0..=steps).map_while(pupil).enumerate();
-        traced.extend(pupils.map(|(i, region)| Traced {
+        traced.extend(pupils.map(|(i, region)| TracedRegion {
             zoom,
             field: i as f64 / FIELD_PARTS as f64,
             focus: *focus,
@@ -237,19 +237,19 @@ fn with_indices(lens: &Lens, other: &Lens) -> Lens {
     lens
 }
 
-/// Returns the nodes from their traced regions; a dark node becomes a point at the place of the last bright one before
+/// Returns the nodes from their traced regions; a dark node becomes a point in the middle of the last bright one before
 /// it.
-fn at_nodes(traced: &[Traced], zoom: f64) -> Vec<Node> {
-    let own = |at: &&Traced| at.zoom == zoom;
+fn at_nodes(traced: &[TracedRegion], zoom: f64) -> Vec<PupilNode> {
+    let own = |at: &&TracedRegion| at.zoom == zoom;
     let mut nodes = Vec::new();
     for focus in 0..FOCI {
-        let mut last = Node::default();
+        let mut last = PupilNode::default();
         for field in 0..FIELDS {
             let found =
                 traced.iter().filter(own).find(|at| at.field == field as f64 && at.focus == focus as f64);
             last = match found {
-                Some(Traced { region, .. }) => node(region),
-                None => Node {
+                Some(TracedRegion { region, .. }) => node(region),
+                None => PupilNode {
                     low: f64::midpoint(last.low, last.high),
                     high: f64::midpoint(last.low, last.high),
                     ..last
@@ -261,15 +261,15 @@ fn at_nodes(traced: &[Traced], zoom: f64) -> Vec<Node> {
     nodes
 }
 
-fn node(region: &Region) -> Node {
+fn node(region: &Region) -> PupilNode {
     let [low, high] = region.reach();
-    let place = |k: usize| 2.0 * k as f64 / (PLACES - 1) as f64 - 1.0;
-    // At the ends g is a limit, and the neighbours' values stand in.
+    let position = |k: usize| 2.0 * k as f64 / (HEIGHTS - 1) as f64 - 1.0;
+    // The value of g at either end is a limit; the neighbour's value replaces it.
     let g = std::array::from_fn(|k| {
-        let x = place(k.clamp(1, PLACES - 2));
+        let x = position(k.clamp(1, HEIGHTS - 2));
         region.height(f64::midpoint(low, high) + (high - low) / 2.0 * x).unwrap_or(0.0) / (1.0 - x * x).sqrt()
     });
-    Node { low, high, g }
+    PupilNode { low, high, g }
 }
 
 /// Returns the field at a share of the table's length.

@@ -21,7 +21,7 @@ const WIDE: f64 = 0.7;
 
 /// The input of the text.
 #[derive(Debug)]
-pub struct Traced<'a> {
+pub struct TracedLens<'a> {
     pub lens: &'a Lens,
     /// The surface whose aperture the f-number sets, counted from the scene.
     pub stop: usize,
@@ -29,19 +29,19 @@ pub struct Traced<'a> {
     pub focal_length: f64,
     /// Gaps that change, by the surface before them, which gives the variable's name, with their largest values, mm.
     pub gaps: &'a [(usize, f64)],
-    /// Whether the stop's clear semi-diameter changes and is in the variable `rim`.
-    pub rim_moves: bool,
+    /// Whether the stop's clear semi-diameter changes and is in the variable `stop_radius`.
+    pub stop_radius_moves: bool,
     /// Declarations of the indices, for dispersion.
     pub indices: Option<String>,
     /// Transmission of surfaces and glasses; `None` if ignored.
     pub light: Option<Light<'a>>,
 }
 
-impl Traced<'_> {
+impl TracedLens<'_> {
     /// Returns the names of the numbers that change, `gap5` for the gap behind row 5.
     pub fn moving(&self) -> Vec<String> {
         let gaps = self.gaps.iter().map(|(row, _)| format!("gap{}", row + 1));
-        gaps.chain(self.rim_moves.then(|| "rim".to_owned())).collect()
+        gaps.chain(self.stop_radius_moves.then(|| "rim".to_owned())).collect()
     }
 }
 
@@ -55,7 +55,7 @@ struct Length {
 }
 
 impl Length {
-    fn add(&mut self, traced: &Traced<'_>, row: usize) {
+    fn add(&mut self, traced: &TracedLens<'_>, row: usize) {
         let moving = traced.gaps.iter().find(|(moving, _)| *moving == row);
         let gap = traced.lens.surfaces[row].thickness;
         match moving {
@@ -82,14 +82,14 @@ impl Length {
 }
 
 /// Returns the text to be subtracted from z in the first vertex's frame to get z in that of the surface `row`.
-pub fn behind_front(traced: &Traced<'_>, row: usize) -> String {
+pub fn behind_front(traced: &TracedLens<'_>, row: usize) -> String {
     let mut length = Length::default();
     (0..row).for_each(|row| length.add(traced, row));
     length.subtracted()
 }
 
 /// Returns the function `trace`.
-pub fn text(traced: &Traced<'_>) -> String {
+pub fn text(traced: &TracedLens<'_>) -> String {
     let lens = traced.lens;
     let moving: String = traced.moving().iter().map(|name| format!(", float {name}")).collect();
     let left = if traced.light.is_some() { ", output float left" } else { "" };
@@ -125,7 +125,7 @@ pub fn text(traced: &Traced<'_>) -> String {
         }
         let _ = writeln!(text, "  /* Row {}. */", i + 1);
         let limit = match i == traced.stop {
-            true if traced.rim_moves => "stop*stop*rim*rim".to_owned(),
+            true if traced.stop_radius_moves => "stop*stop*rim*rim".to_owned(),
             true => format!("stop*stop*{}", number(surface.semi_diameter.powi(2))),
             false => number(surface.semi_diameter.powi(2)),
         };
@@ -136,8 +136,9 @@ pub fn text(traced: &Traced<'_>) -> String {
         if is_plane && surface.n_film == surface.n_scene && !changes {
             opening(&mut text, &pending, &limit);
             if let (Some(blades), true) = (traced.blades, surface.is_stop) {
-                let rim = if traced.rim_moves { "rim".to_owned() } else { number(surface.semi_diameter) };
-                blades_of(&mut text, blades, &rim);
+                let stop_radius =
+                    if traced.stop_radius_moves { "rim".to_owned() } else { number(surface.semi_diameter) };
+                blades_of(&mut text, blades, &stop_radius);
             }
             continue;
         }
@@ -148,10 +149,10 @@ pub fn text(traced: &Traced<'_>) -> String {
             )
         });
         if !pending.is_zero() {
-            let way = pending.subtracted();
-            let _ = writeln!(text, "  z = z{way};");
+            let offset = pending.subtracted();
+            let _ = writeln!(text, "  z = z{offset};");
             if !absorbed.is_empty() {
-                let _ = writeln!(text, "  pz = pz{way};");
+                let _ = writeln!(text, "  pz = pz{offset};");
             }
         }
         let index = |n: f64, row: usize| match &traced.indices {
@@ -193,9 +194,9 @@ pub fn text(traced: &Traced<'_>) -> String {
         }
         (pending, last) = (Length::default(), i);
     }
-    let way = behind_front(traced, last);
-    if !way.is_empty() {
-        let _ = writeln!(text, "  z = z{way};");
+    let offset = behind_front(traced, last);
+    if !offset.is_empty() {
+        let _ = writeln!(text, "  z = z{offset};");
     }
     text + "  return 1;\n}\n\n"
 }
@@ -208,7 +209,7 @@ fn opening(text: &mut String, ahead: &Length, limit: &str) {
 }
 
 /// Writes the test of the straight or curved edges of a stop's blades, for the point (f, g) times vz.
-fn blades_of(text: &mut String, blades: Blades, rim: &str) {
+fn blades_of(text: &mut String, blades: Blades, stop_radius: &str) {
     let constants = blades.constants();
     text.push_str("  e = -1e30;\n");
     for [x, y] in blades.normals() {
@@ -216,7 +217,7 @@ fn blades_of(text: &mut String, blades: Blades, rim: &str) {
     }
     let _ = writeln!(
         text,
-        "  if ({}*(f*f + g*g) + {}*{rim}*stop*e*vz > {}*{rim}*{rim}*stop*stop*vz*vz)\n    return 0;",
+        "  if ({}*(f*f + g*g) + {}*{stop_radius}*stop*e*vz > {}*{stop_radius}*{stop_radius}*stop*stop*vz*vz)\n    return 0;",
         number(constants.bulge),
         number(constants.slant),
         number(constants.limit),
@@ -233,7 +234,7 @@ fn plane(text: &mut String, limit: &str, step: &str, light: &str) {
 
 fn sphere(
     text: &mut String,
-    traced: &Traced<'_>,
+    traced: &TracedLens<'_>,
     surface: &Surface,
     distance: f64,
     limit: &str,

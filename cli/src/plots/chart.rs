@@ -2,7 +2,7 @@
 
 use super::PALETTE;
 use super::placement::{Area, beside};
-use crate::drawing::axis::Scale;
+use crate::drawing::axis::LogScale;
 use crate::drawing::labels::spread;
 use crate::drawing::shapes::{Anchor, Page, Stroke, text_width};
 use crate::drawing::{FAINT, INK};
@@ -24,7 +24,7 @@ pub struct Mark {
 /// A group of marks.
 #[derive(Clone, Debug)]
 pub struct Series {
-    /// Name; for a line it stands at its end.
+    /// Name; that of a line is written at its end.
     pub name: String,
     /// Colour.
     pub color: &'static str,
@@ -98,9 +98,9 @@ impl Chart {
         let key_rows = key_rows(&keys, right - LEFT);
         let bottom = height - 56.0 - LINE * key_rows.len() as f64;
         let marks = || self.series.iter().flat_map(|s| &s.marks);
-        let x = Scale::around(marks().map(|m| m.at[0]), [LEFT, right]);
+        let x = LogScale::around(marks().map(|m| m.at[0]), [LEFT, right]);
         let errors = marks().flat_map(|m| [m.at[1]].into_iter().chain(m.reach.into_iter().flatten()));
-        let y = Scale::around(errors.chain(self.levels.iter().map(|(at, _)| *at)), [bottom, TOP]);
+        let y = LogScale::around(errors.chain(self.levels.iter().map(|(at, _)| *at)), [bottom, TOP]);
         let frame = Area { from: [LEFT, TOP], to: [right, bottom] };
 
         let mut page = Page::new(width, height);
@@ -114,27 +114,30 @@ impl Chart {
             // The name is above its line, or below if all marks lie above.
             let lowest = marks().map(|m| m.at[1]).fold(f64::INFINITY, f64::min);
             let base = if *at < lowest { SMALL + 2.0 } else { -5.0 };
-            let (at, width) = (y.place(*at), text_width(name, SMALL));
+            let (at, width) = (y.position(*at), text_width(name, SMALL));
             page.line([[LEFT, at], [right, at]], Stroke::new(FAINT, 1.5).dashed("2 4"));
             page.text(name, [right - width, at + base], SMALL, Anchor::Start, FAINT);
             obstacles.push(Area { from: [right - width, at + base - SMALL], to: [right, at + base + 2.0] });
             obstacles.push(Area { from: [LEFT, at - 2.0], to: [right, at + 2.0] });
         }
-        let place = |m: &Mark| [x.place(m.at[0]), y.place(m.at[1])];
+        let position = |m: &Mark| [x.position(m.at[0]), y.position(m.at[1])];
         for series in &self.series {
             if let Some(dashes) = series.line {
-                page.line(series.marks.iter().map(place), Stroke::new(series.color, 2.0).dashed(dashes));
+                page.line(series.marks.iter().map(position), Stroke::new(series.color, 2.0).dashed(dashes));
             }
             for mark in &series.marks {
                 if let Some([low, high]) = mark.reach {
-                    let at = x.place(mark.at[0]);
-                    page.line([[at, y.place(low)], [at, y.place(high)]], Stroke::new(series.color, 1.2));
+                    let at = x.position(mark.at[0]);
+                    page.line(
+                        [[at, y.position(low)], [at, y.position(high)]],
+                        Stroke::new(series.color, 1.2),
+                    );
                 }
-                symbol(&mut page, series, place(mark), mark.on_front);
+                symbol(&mut page, series, position(mark), mark.on_front);
             }
         }
-        self.names(&mut page, &place, y, frame, obstacles);
-        line_ends(&mut page, &lines, &place, frame);
+        self.names(&mut page, &position, y, frame, obstacles);
+        line_ends(&mut page, &lines, &position, frame);
         for (row, keys) in key_rows.iter().enumerate() {
             let at = bottom + 42.0 + LINE * (row as f64 + 1.0) + 3.0;
             for (offset, series) in keys {
@@ -146,14 +149,14 @@ impl Chart {
         page
     }
 
-    /// Draws the Pareto front of its marks as a staircase, and returns the area that it covers.
-    fn front(&self, page: &mut Page, x: Scale, y: Scale, right: f64) -> Vec<Area> {
+    /// Draws the Pareto front of its marks as a staircase, and returns the areas that it covers.
+    fn front(&self, page: &mut Page, x: LogScale, y: LogScale, right: f64) -> Vec<Area> {
         let mut front: Vec<[f64; 2]> =
             self.series.iter().flat_map(|s| &s.marks).filter(|m| m.on_front).map(|m| m.at).collect();
         front.sort_by(|a, b| a[0].total_cmp(&b[0]));
         let mut corners: Vec<[f64; 2]> = Vec::new();
         for at in front {
-            let [px, py] = [x.place(at[0]), y.place(at[1])];
+            let [px, py] = [x.position(at[0]), y.position(at[1])];
             if let Some(&[_, above]) = corners.last() {
                 corners.push([px, above]);
             }
@@ -163,32 +166,32 @@ impl Chart {
             corners.push([right, last]);
             page.line(corners.iter().copied(), Stroke::new(FAINT, 5.0).faded(0.55));
         }
-        let piece = |pair: &[[f64; 2]]| Area {
+        let segment = |pair: &[[f64; 2]]| Area {
             from: [0, 1].map(|i| pair[0][i].min(pair[1][i]) - 3.0),
             to: [0, 1].map(|i| pair[0][i].max(pair[1][i]) + 3.0),
         };
-        corners.windows(2).map(piece).collect()
+        corners.windows(2).map(segment).collect()
     }
 
     /// Writes the names of single marks.
     fn names(
         &self,
         page: &mut Page,
-        place: &dyn Fn(&Mark) -> [f64; 2],
-        y: Scale,
+        position: &dyn Fn(&Mark) -> [f64; 2],
+        y: LogScale,
         frame: Area,
         mut obstacles: Vec<Area>,
     ) {
         let all = self.series.iter().flat_map(|s| s.marks.iter().map(move |m| (s, m)));
         for (_, mark) in all.clone() {
-            let [px, py] = place(mark);
+            let [px, py] = position(mark);
             obstacles.push(Area::about([px, py], [14.0, 14.0]));
             if let Some(reach) = mark.reach {
-                let [low, high] = reach.map(|error| y.place(error));
+                let [low, high] = reach.map(|error| y.position(error));
                 obstacles.push(Area { from: [px - 2.0, high.min(low)], to: [px + 2.0, high.max(low)] });
             }
         }
-        let named: Vec<_> = all.filter_map(|(s, m)| Some((s, place(m), m.name.as_deref()?))).collect();
+        let named: Vec<_> = all.filter_map(|(s, m)| Some((s, position(m), m.name.as_deref()?))).collect();
         let marks: Vec<_> = named.iter().map(|(_, at, _)| *at).collect();
         let sizes: Vec<_> = named.iter().map(|(.., name)| [text_width(name, SIZE) + APART, LINE]).collect();
         for ((series, at, name), area) in named.iter().zip(beside(&marks, &sizes, frame, &obstacles)) {
@@ -202,19 +205,19 @@ impl Chart {
 }
 
 /// Draws ticks, labels and faint lines.
-fn grid(page: &mut Page, x: Scale, y: Scale) {
+fn grid(page: &mut Page, x: LogScale, y: LogScale) {
     let [left, right] = x.pixels;
     let [bottom, top] = y.pixels;
     let faint = |strong: bool| Stroke::new(FAINT, 1.0).faded(if strong { 0.35 } else { 0.12 });
     for tick in x.ticks(58.0) {
-        let at = x.place(tick.value);
+        let at = x.position(tick.value);
         page.line([[at, bottom], [at, top]], faint(tick.label.is_some()));
         if let Some(label) = tick.label {
             page.text(&label, [at, bottom + 19.0], SIZE, Anchor::Middle, INK);
         }
     }
     for tick in y.ticks(30.0) {
-        let at = y.place(tick.value);
+        let at = y.position(tick.value);
         page.line([[left, at], [right, at]], faint(tick.label.is_some()));
         if let Some(label) = tick.label {
             page.text(&label, [left - 30.0, at + 5.0], SIZE, Anchor::Middle, INK);
@@ -224,15 +227,15 @@ fn grid(page: &mut Page, x: Scale, y: Scale) {
 }
 
 /// Writes names at the ends of lines, in the margin.
-fn line_ends(page: &mut Page, lines: &[&Series], place: &dyn Fn(&Mark) -> [f64; 2], frame: Area) {
+fn line_ends(page: &mut Page, lines: &[&Series], position: &dyn Fn(&Mark) -> [f64; 2], frame: Area) {
     let mut ends: Vec<_> =
-        lines.iter().filter_map(|series| Some((*series, place(series.marks.last()?)))).collect();
+        lines.iter().filter_map(|series| Some((*series, position(series.marks.last()?)))).collect();
     ends.sort_by(|a, b| a.1[1].total_cmp(&b.1[1]));
     let anchors: Vec<f64> = ends.iter().map(|(_, at)| at[1]).collect();
     // The gap that `spread` keeps is most of a line's height.
     let heights = vec![LINE - 14.0; ends.len()];
-    let places = spread(&anchors, &heights, [frame.from[1], frame.to[1]]);
-    for ((series, at), y) in ends.iter().zip(places) {
+    let positions = spread(&anchors, &heights, [frame.from[1], frame.to[1]]);
+    for ((series, at), y) in ends.iter().zip(positions) {
         let text = frame.to[0] + 24.0;
         page.line([*at, [frame.to[0], at[1]], [text - 4.0, y]], Stroke::new(series.color, 0.8).faded(0.5));
         page.text(&series.name, [text, y + 5.0], SIZE, Anchor::Start, series.color);

@@ -43,20 +43,19 @@ const RINGS: [f64; 11] = [8.0, 14.0, 22.0, 34.0, 48.0, 64.0, 84.0, 110.0, 140.0,
 const TURNS: u32 = 24;
 
 /// Returns small areas along the line from a mark to its name, without the part within the mark.
-fn leader(mark: [f64; 2], place: &Area) -> Vec<Area> {
-    let end = place.nearest(mark);
+fn leader(mark: [f64; 2], area: &Area) -> Vec<Area> {
+    let end = area.nearest(mark);
     let steps = ((end[0] - mark[0]).hypot(end[1] - mark[1]) / 3.0) as usize;
     let at = |step: usize| [0, 1].map(|i| mark[i] + (end[i] - mark[i]) * step as f64 / steps as f64);
     (4..steps).map(|step| Area::about(at(step), [2.0, 2.0])).collect()
 }
 
-/// Returns the places of names with `sizes` for `marks`, inside `frame` and clear of `obstacles`: in
-/// their order, each has the nearest free place. If there is room, no name crosses the line between
-/// another and its mark.
+/// Returns the areas of names with `sizes` for `marks`, inside `frame` and clear of `obstacles`: in their order, each
+/// has the nearest free area. If there is room, no name crosses the line between another and its mark.
 pub fn beside(marks: &[[f64; 2]], sizes: &[[f64; 2]], frame: Area, obstacles: &[Area]) -> Vec<Area> {
     let mut taken = obstacles.to_vec();
     let mut lines: Vec<Area> = Vec::new();
-    let mut places = Vec::new();
+    let mut areas = Vec::new();
     for (mark, size) in marks.iter().zip(sizes) {
         let candidates =
             RINGS.iter().flat_map(|ring| (0..TURNS).map(move |turn| (ring, turn))).map(|(ring, turn)| {
@@ -66,20 +65,20 @@ pub fn beside(marks: &[[f64; 2]], sizes: &[[f64; 2]], frame: Area, obstacles: &[
                 let side = |i: usize, part: f64| mark[i] + part * (ring + size[i] / 2.0);
                 Area::about([side(0, cos), side(1, sin)], *size)
             });
-        let cost = |place: &Area| {
-            let names = places
+        let cost = |area: &Area| {
+            let names = areas
                 .iter()
-                .flat_map(|name: &Area| leader(*mark, place).into_iter().map(|dot| dot.overlap(name)));
-            let texts: f64 = taken.iter().map(|other| place.overlap(other)).sum();
-            let crossed: f64 = lines.iter().map(|line| place.overlap(line)).chain(names).sum();
+                .flat_map(|name: &Area| leader(*mark, area).into_iter().map(|dot| dot.overlap(name)));
+            let texts: f64 = taken.iter().map(|other| area.overlap(other)).sum();
+            let crossed: f64 = lines.iter().map(|line| area.overlap(line)).chain(names).sum();
             // If not all conditions can hold, a line across a name is better than a name over a name.
-            100.0 * (place.outside(&frame) + texts) + crossed
+            100.0 * (area.outside(&frame) + texts) + crossed
         };
         let mut best = (f64::INFINITY, Area::about(*mark, *size));
-        for place in candidates {
-            let cost = cost(&place);
+        for area in candidates {
+            let cost = cost(&area);
             if cost < best.0 {
-                best = (cost, place);
+                best = (cost, area);
             }
             if cost <= 0.0 {
                 break;
@@ -87,9 +86,9 @@ pub fn beside(marks: &[[f64; 2]], sizes: &[[f64; 2]], frame: Area, obstacles: &[
         }
         lines.extend(leader(*mark, &best.1));
         taken.push(best.1);
-        places.push(best.1);
+        areas.push(best.1);
     }
-    places
+    areas
 }
 
 #[cfg(test)]
@@ -97,16 +96,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn twenty_names_about_one_place_are_all_readable() {
+    fn twenty_names_about_one_point_are_all_readable() {
         let frame = Area { from: [0.0, 0.0], to: [600.0, 400.0] };
         let marks: Vec<_> =
             (0..20).map(|i| [300.0 + f64::from(i % 5) * 9.0, 200.0 + f64::from(i / 5) * 7.0]).collect();
         let obstacles: Vec<_> = marks.iter().map(|mark| Area::about(*mark, [8.0, 8.0])).collect();
-        let places = beside(&marks, &[[80.0, 16.0]; 20], frame, &obstacles);
-        for (i, place) in places.iter().enumerate() {
-            assert!(place.outside(&frame) < 1e-9, "{place:?}");
-            assert!(obstacles.iter().all(|mark| place.overlap(mark) < 1e-9), "{place:?}");
-            assert!(places[..i].iter().all(|other| place.overlap(other) < 1e-9), "{place:?}");
+        let areas = beside(&marks, &[[80.0, 16.0]; 20], frame, &obstacles);
+        for (i, area) in areas.iter().enumerate() {
+            assert!(area.outside(&frame) < 1e-9, "{area:?}");
+            assert!(obstacles.iter().all(|mark| area.overlap(mark) < 1e-9), "{area:?}");
+            assert!(areas[..i].iter().all(|other| area.overlap(other) < 1e-9), "{area:?}");
         }
     }
 

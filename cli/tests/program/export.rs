@@ -30,11 +30,11 @@ fn numbers(value: &Value) -> Vec<f64> {
 fn projected(report: &Value, angle: f64) -> f64 {
     let parameters = &report["parameters"];
     let tangent = angle.tan();
-    let invert = |function: &dyn Fn(f64) -> f64, wanted: f64| {
+    let invert = |function: &dyn Fn(f64) -> f64, target: f64| {
         let (mut low, mut high) = (0.0, 1.02 * number(report, "lit_radius_px"));
         for _ in 0..100 {
             let middle = 0.5 * (low + high);
-            if function(middle) < wanted { low = middle } else { high = middle }
+            if function(middle) < target { low = middle } else { high = middle }
         }
         low
     };
@@ -160,7 +160,7 @@ fn a_near_focus_model_sees_points_of_the_plane_of_focus() {
 }
 
 #[test]
-fn a_model_that_falls_says_how_far_its_inverse_goes() {
+fn a_model_that_falls_states_how_far_its_inverse_goes() {
     let fisheye = report("fisheye.10mm", "opencv", &[]);
     assert_eq!(fisheye["monotonic"]["over_the_fit"], false);
     let end = number(&fisheye["monotonic"], "to_deg").to_radians();
@@ -175,7 +175,7 @@ fn a_model_that_falls_says_how_far_its_inverse_goes() {
 }
 
 #[test]
-fn what_a_plane_cannot_hold_is_said() {
+fn rays_that_a_plane_cannot_hold_are_reported() {
     let wide = report("fisheye.6mm", "opencv-rational", &[]);
     assert!(number(&wide, "half_field_deg") > 90.0);
     assert!(number(&wide, "held_half_field_deg") < 80.0 && number(&wide["errors"], "share_of_film") < 0.9);
@@ -258,7 +258,7 @@ fn the_rays_of_every_pixel_are_the_exact_ones() {
 fn st_maps_lead_there_and_back_and_hold_the_exact_distortion() {
     let dir = tempfile::tempdir().unwrap();
     written(dir.path(), "retrofocus.24mm", "st-map", "st.npy");
-    let maps = ["undistort", "distort"].map(|way| npy(&dir.path().join(format!("st.{way}.npy"))));
+    let maps = ["undistort", "distort"].map(|direction| npy(&dir.path().join(format!("st.{direction}.npy"))));
     let report = report("retrofocus.24mm", "st-map", &["--size", "96x64"]);
     let exact = exact("retrofocus.24mm", &report);
     let scale = number(&report, "pinhole_focal_length_px");
@@ -430,7 +430,7 @@ fn table() -> String {
 }
 
 #[test]
-fn the_catalogues_table_is_what_the_program_says() {
+fn the_catalogues_table_is_what_the_program_prints() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/export.md");
     let page = fs::read_to_string(&path).expect("the page");
     let (before, rest) = page.split_once("<!-- table -->\n").expect("where it begins");

@@ -36,9 +36,9 @@ fn a_full_disk_keeps_the_old_file_and_no_part_of_a_new_one() {
         let others = fs::read_dir(dir).unwrap().count();
         fs::write(dir.join(file), "the old one").unwrap();
         let output = on_a_full_disk(dir, &arguments);
-        let told = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {told}");
-        assert!(told.contains(file) && told.contains("too large"), "{arguments:?}: {told}");
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {stderr}");
+        assert!(stderr.contains(file) && stderr.contains("too large"), "{arguments:?}: {stderr}");
         assert_eq!(fs::read_to_string(dir.join(file)).unwrap(), "the old one", "{arguments:?}");
         assert_eq!(fs::read_dir(dir).unwrap().count(), others + 1, "{arguments:?}");
     }
@@ -65,51 +65,54 @@ fn a_lens_is_piped_in_wherever_one_is_named() {
     succeeds(&["plan", "-"], SINGLET);
 
     for arguments in [&["lens", "-"][..], &render("-")] {
-        let told = fails(arguments, "20 5 1.5 10\n-20 x 1 10\n", 1);
-        assert!(told.contains("standard input:2:5: \"x\" is not a number"), "{told}");
+        let stderr = fails(arguments, "20 5 1.5 10\n-20 x 1 10\n", 1);
+        assert!(stderr.contains("standard input:2:5: \"x\" is not a number"), "{stderr}");
     }
     // The program reads no more than the size limit of a lens file.
-    let told = fails(&["lens", "-"], &"#\n".repeat(3 << 20), 1);
-    assert!(told.contains("standard input:524289:1: ") && told.contains("at most 1048576 bytes"), "{told}");
-    let told = fails(&["trace", "-"], "", 2);
-    assert!(told.contains("standard input has the rays"), "{told}");
+    let stderr = fails(&["lens", "-"], &"#\n".repeat(3 << 20), 1);
+    assert!(
+        stderr.contains("standard input:524289:1: ") && stderr.contains("at most 1048576 bytes"),
+        "{stderr}"
+    );
+    let stderr = fails(&["trace", "-"], "", 2);
+    assert!(stderr.contains("standard input has the rays"), "{stderr}");
 }
 
 #[test]
 fn an_exposure_that_is_no_number_is_refused() {
     for stops in ["nan", "inf", "-inf"] {
-        let told = fails(&["render", &format!("--exposure={stops}")], "", 2);
-        assert!(told.contains("--exposure") && told.contains("write a finite number"), "{told}");
+        let stderr = fails(&["render", &format!("--exposure={stops}")], "", 2);
+        assert!(stderr.contains("--exposure") && stderr.contains("write a finite number"), "{stderr}");
     }
 }
 
 #[test]
-fn lenses_and_distances_of_any_size_have_digits_and_few() {
-    let told = succeeds(&["lens", "dgauss.50mm@1e-9mm"], "");
-    assert!(told.contains("focal length      1.0000e-9 mm"), "{told}");
-    assert!(!told.contains("0.0000 mm"), "{told}");
-    let told = succeeds(&["focus", "dgauss.50mm@1e-9mm", "--distance", "1e-8", "--coc", "1e-12"], "");
-    assert!(!told.contains(" 0.000"), "{told}");
-    let told = succeeds(&["focus", "dgauss.50mm", "--distance", "1e308"], "");
-    assert!(told.contains("in focus         1.0000e308 mm from the film"), "{told}");
+fn lenses_and_distances_of_any_size_have_a_few_digits() {
+    let stdout = succeeds(&["lens", "dgauss.50mm@1e-9mm"], "");
+    assert!(stdout.contains("focal length      1.0000e-9 mm"), "{stdout}");
+    assert!(!stdout.contains("0.0000 mm"), "{stdout}");
+    let stdout = succeeds(&["focus", "dgauss.50mm@1e-9mm", "--distance", "1e-8", "--coc", "1e-12"], "");
+    assert!(!stdout.contains(" 0.000"), "{stdout}");
+    let stdout = succeeds(&["focus", "dgauss.50mm", "--distance", "1e308"], "");
+    assert!(stdout.contains("in focus         1.0000e308 mm from the film"), "{stdout}");
     for distance in ["1e-308", "1"] {
-        let told = fails(&["focus", "dgauss.50mm", "--distance", distance], "", 1);
-        assert!(told.contains(&format!("cannot focus at {distance} mm")) && told.len() < 200, "{told}");
+        let stderr = fails(&["focus", "dgauss.50mm", "--distance", distance], "", 1);
+        assert!(stderr.contains(&format!("cannot focus at {distance} mm")) && stderr.len() < 200, "{stderr}");
     }
 }
 
 #[test]
 fn focus_answers_for_the_requested_conjugate() {
     // Film distances by exact rays and by first-order optics, mm.
-    let places = |film: &str| -> [f64; 2] {
-        let told = succeeds(&["focus", "dgauss.50mm", "--film-distance", film], "");
-        let line = told.lines().find(|line| line.starts_with("film distance")).unwrap();
+    let film_distances = |film: &str| -> [f64; 2] {
+        let stdout = succeeds(&["focus", "dgauss.50mm", "--film-distance", film], "");
+        let line = stdout.lines().find(|line| line.starts_with("film distance")).unwrap();
         let numbers: Vec<f64> = line.split(' ').filter_map(|word| word.parse().ok()).collect();
-        assert_eq!(told.contains("its image larger than itself"), numbers[0] > 86.4, "{told}");
+        assert_eq!(stdout.contains("its image larger than itself"), numbers[0] > 86.4, "{stdout}");
         numbers.try_into().unwrap()
     };
     for film in ["37", "40", "50", "100", "150", "300"] {
-        let [exact, paraxial] = places(film);
+        let [exact, paraxial] = film_distances(film);
         assert!((exact / paraxial - 1.0).abs() < 0.05, "{exact} {paraxial}");
     }
 }

@@ -48,16 +48,16 @@ fn words(line: &str) -> Vec<&str> {
 /// Whether a printed word matches a page's: the same word, a whole number that it rounds to, or another number within a
 /// unit of the last digit shown.
 fn is_shown(shown: &str, printed: &str) -> bool {
-    let (Ok(wanted), Ok(number)) = (shown.parse::<f64>(), printed.parse::<f64>()) else {
+    let (Ok(expected), Ok(number)) = (shown.parse::<f64>(), printed.parse::<f64>()) else {
         return shown == printed;
     };
     let (mantissa, power) = shown.split_once('e').unwrap_or((shown, "0"));
     let decimals = mantissa.split_once('.').map_or(0, |(_, digits)| digits.len() as i32);
     let unit = 10.0_f64.powi(power.parse::<i32>().unwrap_or(0) - decimals);
-    (wanted - number).abs() <= if decimals > 0 { 1.000_001 * unit } else { 0.5 * unit }
+    (expected - number).abs() <= if decimals > 0 { 1.000_001 * unit } else { 0.5 * unit }
 }
 
-/// Returns the lines of an output block that are not among those printed; `...` stands for the rest of a line.
+/// Returns the lines of an output block that are not among those printed; `...` matches the rest of a line.
 fn not_printed<'a>(block: &'a str, printed: &str) -> Vec<&'a str> {
     let is_printed = |line: &&str| {
         let shown = words(line);
@@ -109,8 +109,8 @@ fn every_command_on_a_page_runs_and_prints_what_the_page_shows() {
                 ran += 1;
                 printed = String::from_utf8_lossy(&output.stdout).into_owned();
                 if !output.status.success() {
-                    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-                    failed += &format!("{}: realistic {}\n{said}", page.display(), words.join(" "));
+                    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+                    failed += &format!("{}: realistic {}\n{stderr}", page.display(), words.join(" "));
                 }
             }
         }

@@ -19,9 +19,9 @@ fn every_lens_of_the_catalogue_renders_the_default_scene() {
     for name in names.chain(["dgauss.50mm@2000mm"]) {
         let command = ["render", name, "--size", "6x4", "--spp", "1", "--out", "picture.png"];
         let output = realistic(dir.path(), &command);
-        let told = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "{name}: {told}");
-        if told.contains("mm farther back") {
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{name}: {stderr}");
+        if stderr.contains("mm farther back") {
             moved.push(name);
         }
     }
@@ -34,11 +34,11 @@ fn a_lens_that_is_moved_back_has_the_subject_in_focus() {
     let dir = tempfile::tempdir().unwrap();
     let command = ["render", "telephoto.300mm", "--size", "6x4", "--spp", "1", "--out", "picture.png"];
     let output = realistic(dir.path(), &command);
-    let (told, printed) =
+    let (stderr, stdout) =
         (String::from_utf8(output.stderr).unwrap(), String::from_utf8(output.stdout).unwrap());
-    assert!(told.contains("the camera stands 649.805 mm farther back"), "{told}");
+    assert!(stderr.contains("the camera stands 649.805 mm farther back"), "{stderr}");
     // Twice 649.8 mm before the front vertex, and the lens and its film distance of 560 to 570 mm.
-    let focus = printed.lines().find_map(|line| line.strip_prefix("focus")).unwrap().trim();
+    let focus = stdout.lines().find_map(|line| line.strip_prefix("focus")).unwrap().trim();
     let focus: f64 = focus.split(' ').next().unwrap().parse().unwrap();
     assert!((focus - 2.0 * 649.8 - 450.0).abs() < 200.0, "{focus}");
 }
@@ -203,7 +203,7 @@ fn autofocus_on_the_card_focuses_on_the_card() {
 }
 
 #[test]
-fn the_disks_are_drawn_and_the_wrong_one_is_told() {
+fn the_disks_are_drawn_and_the_wrong_one_is_identified() {
     let dir = tempfile::tempdir().unwrap();
     let output = realistic(dir.path(), &["disks"]);
     let text = String::from_utf8(output.stdout).unwrap();

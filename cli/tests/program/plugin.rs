@@ -80,7 +80,7 @@ fn an_installed_program_takes_the_plugin_beside_it_or_in_lib() {
 }
 
 #[test]
-fn the_plugin_flag_comes_before_the_variable_and_places() {
+fn the_plugin_flag_comes_before_the_variable_and_the_default_locations() {
     let root = tempfile::tempdir().unwrap();
     let program = program_in(root.path());
     put("no plugin", &root.path().join(library()));

@@ -46,7 +46,7 @@ fn input(rows: &[Vec<String>]) -> String {
 }
 
 #[test]
-fn traced_rays_are_the_exact_ones_both_ways() {
+fn traced_rays_are_the_exact_ones_in_both_directions() {
     for name in LENSES {
         for (prefix, side) in [("truth_", "film"), ("truth_scene_", "scene")] {
             let text = std::fs::read_to_string(golden(&format!("{prefix}{name}.csv"))).expect("a table");
@@ -225,9 +225,9 @@ fn focusing_there_and_back_gives_the_same_distance() {
     assert_eq!(deep["far_limit_mm"], Value::Null);
     // The default is 0.03 mm on 24 x 36 mm, the photographers' convention, and in proportion on any other film.
     for (film, confusion) in [("43.27", 0.03), ("35", 0.024_27)] {
-        let told =
+        let report =
             json(&["focus", "dgauss.50mm", "--focus-distance", "inf", "--film-diagonal", film, "--json"]);
-        assert!((number(&told, "circle_of_confusion_mm") / confusion - 1.0).abs() < 1e-3, "{told}");
+        assert!((number(&report, "circle_of_confusion_mm") / confusion - 1.0).abs() < 1e-3, "{report}");
     }
 }
 
@@ -280,7 +280,7 @@ fn a_pupil_is_measured_and_drawn() {
 }
 
 #[test]
-fn drawings_are_written_as_their_ending_says() {
+fn drawings_are_written_in_the_format_of_their_extension() {
     let directory = tempfile::tempdir().expect("a directory");
     let at = |name: &str| directory.path().join(name).to_str().expect("text").to_owned();
     succeeds(&["draw", "wide.22mm", "--out", &at("a.svg")], "");
@@ -314,7 +314,7 @@ fn the_plan_names_what_was_chosen_and_measures_what_it_saves() {
         assert!(cost(chosen[0]) <= cost(exact.expect("always one")), "{candidates:?}");
     }
     let measured = plan["measured"].as_array().expect("cameras");
-    let names: Vec<&str> = measured.iter().filter_map(|way| way["camera"].as_str()).collect();
+    let names: Vec<&str> = measured.iter().filter_map(|camera| camera["camera"].as_str()).collect();
     assert_eq!(names[..3], ["this camera", "without the tolerance", "with a wavelength each"]);
     for left_out in items.iter().filter(|item| item["kept"] == false).filter_map(|item| item["what"].as_str())
     {
@@ -323,9 +323,9 @@ fn the_plan_names_what_was_chosen_and_measures_what_it_saves() {
             ["dispersion", "differentials", "importance", "transmission", "ghosts"].contains(&left_out);
         assert!(!is_made_on_request || names.iter().any(|name| name.contains(what)), "{left_out}: {names:?}");
     }
-    for way in measured {
+    for camera in measured {
         for key in ["in_batches_ns_per_ray", "one_by_one_ns_per_ray", "build_ms"] {
-            assert!(number(way, key) > 0.0, "{way}");
+            assert!(number(camera, key) > 0.0, "{camera}");
         }
     }
     // Each glass has one index, so wavelengths change nothing. With "none" transmission and ghosts are left out, with a
@@ -336,7 +336,7 @@ fn the_plan_names_what_was_chosen_and_measures_what_it_saves() {
         let coated = format!("transmission={transmission}");
         let plan = json(&["plan", "dgauss.50mm", "--param", &coated, "--json"]);
         let measured = plan["measured"].as_array().expect("cameras");
-        let names: Vec<&str> = measured.iter().filter_map(|way| way["camera"].as_str()).collect();
+        let names: Vec<&str> = measured.iter().filter_map(|camera| camera["camera"].as_str()).collect();
         let (before, rest) = names.split_at(3);
         assert_eq!(before, ["this camera", "with differentials", "with importance"]);
         assert_eq!(&rest[..expected.len()], expected);
@@ -362,14 +362,14 @@ fn install_always_leaves_the_plugin_under_its_own_name() {
         std::fs::create_dir(&into).expect("a directory");
         let arguments =
             [&["install", into.to_str().expect("a plain name"), "--plugin", plugin], more].concat();
-        let said = succeeds(&arguments, "");
+        let stdout = succeeds(&arguments, "");
         let entries = into.read_dir().expect("a directory").map(|entry| entry.expect("an entry").path());
         let mut names: Vec<_> =
             entries.map(|path| path.file_stem().expect("a name").to_string_lossy().into_owned()).collect();
         names.sort();
         assert_eq!(names, expected, "{more:?}");
-        assert_eq!(said.contains("Replaces pbrt's own"), !more.is_empty(), "{said}");
-        let export = said.lines().last().expect("text").to_owned();
+        assert_eq!(stdout.contains("Replaces pbrt's own"), !more.is_empty(), "{stdout}");
+        let export = stdout.lines().last().expect("text").to_owned();
         assert!(
             export.ends_with(&format!("{}\"", into.canonicalize().expect("there").display())),
             "{export}"

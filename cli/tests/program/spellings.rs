@@ -21,17 +21,17 @@ fn every_command_takes_the_lens_as_a_word_and_as_a_flag() {
         ("convert", &["-o", "-"]),
         ("render", &["--spp", "1", "--size", "6x4", "-o", "-"]),
     ] {
-        let said = |lens: &[&str]| {
+        let stdout_for = |lens: &[&str]| {
             let output = run(&[&[command], lens, more].concat(), "");
             assert!(output.status.success(), "{command}: {}", String::from_utf8_lossy(&output.stderr));
             assert!(!output.stdout.is_empty(), "{command}");
             output.stdout
         };
-        let word = said(&["wide.22mm"]);
+        let word = stdout_for(&["wide.22mm"]);
         for flag in
             [&["--lens", "wide.22mm"][..], &["--lens-file", "wide.22mm"], &["--param", "lensfile=wide.22mm"]]
         {
-            assert!(said(flag) == word, "{command} {flag:?}");
+            assert!(stdout_for(flag) == word, "{command} {flag:?}");
         }
     }
     let ray = "0,0,-68,0,0,1\n";
@@ -64,12 +64,12 @@ fn a_parameter_has_one_name_everywhere() {
     assert!(stopped == picture(&["--param", "fnumber=8", "--param", "pupil=rear"]));
     // Parameters that need a camera cause a warning for a lens without one.
     let output = run(&["lens", "dgauss.50mm", "--shutter", "leaf"], "");
-    let told = String::from_utf8(output.stderr).unwrap();
-    assert!(output.status.success() && told.contains("\"shutter\" changes nothing here"), "{told}");
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success() && stderr.contains("\"shutter\" changes nothing here"), "{stderr}");
 }
 
 #[test]
-fn what_one_key_says_all_reports_say() {
+fn a_key_has_the_same_value_in_all_reports() {
     let commands: [&[&str]; 4] = [
         &["lens", "planar.50mm", "--focus-distance", "900", "--json"],
         &["focus", "planar.50mm", "--focus-distance", "900", "--json"],
@@ -132,11 +132,11 @@ fn every_commands_film_fits_the_lens_unless_given() {
         &[&["render", "phone.4mm", "-o", "-"], &small[..]].concat(),
     ] {
         let output = run(arguments, "");
-        let told = String::from_utf8(output.stderr).unwrap();
-        assert!(output.status.success() && told.contains(note), "{arguments:?}: {told}");
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.success() && stderr.contains(note), "{arguments:?}: {stderr}");
         assert!(
-            told.contains("the 74 degrees that the lens file states") && told.contains("--film-diagonal"),
-            "{told}"
+            stderr.contains("the 74 degrees that the lens file states") && stderr.contains("--film-diagonal"),
+            "{stderr}"
         );
         let given = run(&[arguments, &["--film-diagonal", "6"]].concat(), "");
         assert!(!String::from_utf8(given.stderr).unwrap().contains(note), "{arguments:?}");
@@ -144,10 +144,10 @@ fn every_commands_film_fits_the_lens_unless_given() {
     // The picture is lit to its edges.
     let got = |more: &[&str]| -> f64 {
         let output = run(&[&["render", "phone.4mm", "-o", "-"], &small[..], more].concat(), "");
-        let told = String::from_utf8(output.stderr).unwrap();
+        let stderr = String::from_utf8(output.stderr).unwrap();
         let share =
-            told.split("% of the rays got through").next().unwrap().trim_end().rsplit(' ').next().unwrap();
-        assert_eq!(told.contains("most of the film is dark"), !more.is_empty(), "{told}");
+            stderr.split("% of the rays got through").next().unwrap().trim_end().rsplit(' ').next().unwrap();
+        assert_eq!(stderr.contains("most of the film is dark"), !more.is_empty(), "{stderr}");
         share.parse().unwrap()
     };
     assert!(got(&[]) > 95.0 && got(&["--film-diagonal", "35"]) < 10.0);
@@ -155,26 +155,26 @@ fn every_commands_film_fits_the_lens_unless_given() {
 
 #[test]
 fn wavelengths_of_a_lens_without_dispersion_are_warned_of() {
-    let told = |lens: &str| {
+    let stderr_for = |lens: &str| {
         let words = ["render", lens, "--wavelengths", "3", "--spp", "1", "--size", "6x4", "-o", "-"];
         String::from_utf8(run(&words, "").stderr).unwrap()
     };
-    assert!(told("dgauss.50mm").contains("rays of all 3 wavelengths take the same way"));
-    assert!(!told("dgauss.100mm").contains("warning"));
+    assert!(stderr_for("dgauss.50mm").contains("rays of all 3 wavelengths take the same way"));
+    assert!(!stderr_for("dgauss.100mm").contains("warning"));
 }
 
 #[test]
 fn what_is_worth_knowing_is_no_warning() {
     let faces = "60 5 1.5 30\n-70.25 0 1 30\n-70.15 2 1.6 30\n-300 60 1 30\n";
-    let told = String::from_utf8(run(&["lens", "-", "--film-diagonal", "5"], faces).stderr).unwrap();
+    let stderr = String::from_utf8(run(&["lens", "-", "--film-diagonal", "5"], faces).stderr).unwrap();
     assert!(
-        told.contains("rows 2 and 3 touch and overlap by up to 0.0") && !told.contains("warning"),
-        "{told}"
+        stderr.contains("rows 2 and 3 touch and overlap by up to 0.0") && !stderr.contains("warning"),
+        "{stderr}"
     );
 }
 
 #[test]
-fn quiet_leaves_errors_and_what_is_asked_for() {
+fn quiet_leaves_errors_and_the_requested_output() {
     let dir = tempfile::tempdir().unwrap();
     for arguments in [
         &["render", "phone.4mm", "--spp", "1", "--size", "6x4", "--wavelengths", "3", "--quiet"][..],

@@ -67,15 +67,15 @@ fn a_picture_made_of_tiles_is_the_whole_byte_for_byte() {
         run(dir.path(), &[&SMALL[..], &["--out", &whole], more].concat());
         let files = tiles(dir.path(), ending, more);
         let files: Vec<&str> = files.iter().map(String::as_str).collect();
-        let said = run(dir.path(), &[&["merge"], &files[..], &["--out", &merged]].concat());
-        assert!(said.contains("50x34, of 5 tiles"), "{said}");
+        let stdout = run(dir.path(), &[&["merge"], &files[..], &["--out", &merged]].concat());
+        assert!(stdout.contains("50x34, of 5 tiles"), "{stdout}");
         let [whole, merged] = [whole, merged].map(|file| std::fs::read(dir.path().join(file)).unwrap());
         assert!(whole == merged, "{ending} {more:?}");
     }
 }
 
 #[test]
-fn a_tile_tells_other_programs_its_place() {
+fn a_tile_states_its_position_to_other_programs() {
     let dir = tempfile::tempdir().unwrap();
     let take = |file: &str| run(dir.path(), &[&SMALL[..], &["--crop", "17,9,30,34", "--out", file]].concat());
     assert!(take("tile.png").contains("at 17,9 of 50x34"));
@@ -169,7 +169,7 @@ fn tiles_that_make_no_picture_are_refused_by_name() {
 }
 
 #[test]
-fn a_tile_of_a_huge_picture_takes_no_room_for_it() {
+fn a_tile_of_a_huge_picture_allocates_no_memory_for_it() {
     let dir = tempfile::tempdir().unwrap();
     for ending in ["png", "exr"] {
         let file = format!("tile.{ending}");

@@ -137,7 +137,7 @@ const WRONG_USES: &[WrongUse] = &[
 ];
 
 #[test]
-fn wrong_uses_are_told_what_is_wrong_and_what_to_write() {
+fn messages_of_wrong_uses_state_the_error_and_the_correction() {
     let dir = tempfile::tempdir().unwrap();
     fs::write(dir.path().join("singlet.dat"), "# my own\n20 5 1.5 10\n-20 0 1 10\n").unwrap();
     fs::write(dir.path().join("lens.json"), "{\"surfaces\": []}\n").unwrap();
@@ -156,9 +156,9 @@ fn wrong_uses_are_told_what_is_wrong_and_what_to_write() {
         let answer = String::from_utf8_lossy(&output.stderr);
         let first = answer.lines().find(|line| !line.contains("warning:")).unwrap_or_default();
         table += &format!("| `{}` | {code} | {first} |\n", arguments.join(" "));
-        let said = words.iter().all(|word| answer.contains(word)) && answer.starts_with("realistic: ");
-        let said = said && !answer.contains("error: error");
-        if output.status.code() != Some(*code) || !said || !output.stdout.is_empty() {
+        let is_complete = words.iter().all(|word| answer.contains(word)) && answer.starts_with("realistic: ");
+        let is_complete = is_complete && !answer.contains("error: error");
+        if output.status.code() != Some(*code) || !is_complete || !output.stdout.is_empty() {
             wrong.push(format!("{arguments:?} {:?}: {answer}", output.status.code()));
         }
     }
@@ -170,17 +170,17 @@ fn wrong_uses_are_told_what_is_wrong_and_what_to_write() {
 #[test]
 fn unknown_flags_have_no_tip_and_wrong_values_no_usage() {
     let dir = tempfile::tempdir().unwrap();
-    let told = |arguments: &[&str]| {
+    let refusal = |arguments: &[&str]| {
         let output = realistic(dir.path(), arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");
         String::from_utf8(output.stderr).unwrap()
     };
     for flag in ["--nonsense", "--flatness", "--mode7", "--xyz"] {
-        let answer = told(&["lens", "dgauss.50mm", flag, "4"]);
+        let answer = refusal(&["lens", "dgauss.50mm", flag, "4"]);
         assert!(!answer.contains("tip") && answer.contains("Usage: realistic lens"), "{answer}");
     }
     for command in ["render", "lens", "focus", "plan"] {
-        let answer = told(&[command, "dgauss.50mm", "--fnumber", "x"]);
+        let answer = refusal(&[command, "dgauss.50mm", "--fnumber", "x"]);
         assert!(
             answer.ends_with("not the string \"x\"\n\nFor more information, try '--help'.\n"),
             "{answer}"
@@ -206,7 +206,7 @@ fn values_may_begin_with_a_minus() {
 /// File names are bytes to the system.
 #[cfg(unix)]
 #[test]
-fn names_that_are_no_text_are_told_so() {
+fn names_that_are_not_utf_8_are_refused() {
     use std::os::unix::ffi::OsStrExt as _;
     let name = std::ffi::OsStr::from_bytes(b"b\xff.dat");
     for command in ["lens", "render", "convert"] {
@@ -253,16 +253,16 @@ fn short_help_fits_a_screen_and_long_help_is_complete() {
         assert!(long.contains(&format!("--{} <", row.name.replace('_', "-"))), "{}", row.name);
     }
     // The defaults are those that the command uses: `pictures` and `spellings` test that.
-    let said = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
-    let long = said(&long);
+    let joined = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let long = joined(&long);
     for words in [
         "units of camera space; default focused on the scene's subject",
         "in mm; default focused on the scene's subject",
         "Diagonal of the film: positive, in mm; default that of the lens's own image",
     ] {
-        assert!(long.contains(words) && said(&help(&["--help"])).contains(words), "{words}");
+        assert!(long.contains(words) && joined(&help(&["--help"])).contains(words), "{words}");
     }
-    assert!(said(&help(&["lens", "--help"])).contains("default that of the lens's own image"));
+    assert!(joined(&help(&["lens", "--help"])).contains("default that of the lens's own image"));
     // Parameters that need a camera are not listed for a lens.
     assert!(!help(&["lens", "--help"]).contains("--shutter-open"));
     for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {

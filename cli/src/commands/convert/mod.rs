@@ -102,7 +102,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_written_by_hand_is_told_from_what_was_converted() {
+    fn tables_written_by_hand_are_distinguished_from_converted_ones() {
         for name in realistic_optics::prescription::catalogue::names() {
             let mut lens = realistic_optics::prescription::catalogue::find(name).unwrap();
             lens.remarks = vec!["something was taken in another way".to_owned()];

@@ -271,8 +271,8 @@ mod tests {
     use realistic_optics::prescription::{GlassLibrary, catalogue, read, read_with};
     use std::sync::Arc;
 
-    /// Returns what reads back, to the bit (`{:?}` distinguishes -0 from 0), except for name, remarks, findings and
-    /// glass names.
+    /// Formats the parts of a lens that read back, to the bit (`{:?}` distinguishes -0 from 0): all but name, remarks,
+    /// findings and glass names.
     fn bits(lens: &Prescription) -> String {
         let absorb = lens.transmittances();
         let mut lens = Prescription { name: String::new(), glasses: Vec::new(), ..lens.clone() };
@@ -299,7 +299,7 @@ mod tests {
     }
 
     #[test]
-    fn all_that_a_table_can_say_reads_back() {
+    fn every_statement_of_a_table_reads_back() {
         let text = "flare 1 - - 9.1\n20 5 own - 10\n-20.1 0.7 poly - 10\ninf 2e-17 1.6 - 10\n21 3 - - 10\nstop 1 - - 6\n\
             inf 1 con - 8\n30 2 her - 8\n-30 2 ext - 8\n-31 40 - - 8\n\
             glass own sellmeier B1=1.1 B2=0.2 B3=1 C1=0.006 C2=0.02 C3=103\nglass poly polynomial A0=2.3 A2=-0.01 A-2=0.01\n\
@@ -335,7 +335,7 @@ mod tests {
     }
 
     #[test]
-    fn what_glasses_absorb_is_kept() {
+    fn absorption_of_glasses_reads_back() {
         let agf = "NM DARK 2 0 1.5 60\nCD 1.04 0.006 0.23 0.02 1.01 103\nLD 0.3 2.5\nIT 0.3 0 25\nIT 0.38 0.63 25\n\
             IT 0.4047 0.91 10\nIT 0.7 1 25\nIT 2.5 0.9 25\n";
         let mut library = GlassLibrary::default();
@@ -362,7 +362,7 @@ mod tests {
     }
 
     #[test]
-    fn the_wavelength_and_the_names_and_ranges_of_glasses_are_kept() {
+    fn the_wavelength_and_the_names_and_ranges_of_glasses_read_back() {
         let zmx = "NAME For 248 nm\nWAVM 1 0.248 1\nPWAV 1\nSURF 0\n  DISZ INFINITY\nSURF 1\n  CURV 0.05\n  DISZ 4\n  GLAS F_SILICA 0 0\n  \
             DIAM 5\nSURF 2\n  CURV -0.05\n  DISZ 1\n  GLAS NIFS-S 3 0 1.9 20\n  DIAM 5\nSURF 3\n  CURV 0\n  DISZ 30\n  DIAM 5\nSURF 4\n";
         let lens = read("x.zmx", zmx.as_bytes()).unwrap();

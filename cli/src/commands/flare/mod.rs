@@ -5,14 +5,14 @@ mod table;
 
 use self::{
     splat::Target,
-    table::{Ghost, Table},
+    table::{Ghost, GhostTable},
 };
 use crate::{
     arguments::{FilmSize, LensChoice, OpenedLens, finite, whole},
     console,
     failure::Failure,
     host::render::spectrum,
-    image::{Curve, Format, Picture, Tone, check_room},
+    image::{Curve, Format, Picture, Tone, check_memory},
 };
 use glam::Vec3;
 use rayon::prelude::*;
@@ -130,7 +130,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         return Err(CameraError::film_in_lens(&opened.lens, film_distance).into());
     }
     args.light.check(&opened.lens).map_err(|why| Failure::Usage(format!("--light: {why}")))?;
-    let scene = Scene {
+    let setup = FlareSetup {
         blades: opened.blades()?,
         film: opened.lens.rear().vertex - film_distance,
         lamp: args.light,
@@ -140,14 +140,14 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         let raster = args.film.raster();
         // Each thread has a picture of four doubles, and the file is made from one.
         let threads = rayon::current_num_threads() as u64;
-        check_room([raster.xres, raster.yres], 32 * (threads + 2) + 40)?;
+        check_memory([raster.xres, raster.yres], 32 * (threads + 2) + 40)?;
     }
-    let ranked = scene.rank(&opened.lens);
+    let ranked = setup.rank(&opened.lens);
     let coating = args.coating.to_string();
     let mut text = if args.json { format!("{:#}\n", ranked.json(&coating)) } else { ranked.text(&coating) };
     let mut written = None;
     if !args.json {
-        let (picture, watts) = scene.picture(args, &opened, &ranked.kept());
+        let (picture, watts) = setup.picture(args, &opened, &ranked.brightest_pairs());
         let out = args.out.clone().unwrap_or_else(|| {
             let name = opened.prescription.name.rsplit('/').next().unwrap_or_default();
             PathBuf::from(format!("{name}-flare.exr"))
@@ -194,7 +194,7 @@ fn both(out: &Path) -> Result<Vec<PathBuf>, Failure> {
 }
 
 /// Quantities that do not depend on the wavelength.
-struct Scene {
+struct FlareSetup {
     blades: Option<Blades>,
     /// z of the film, mm.
     film: f64,
@@ -203,7 +203,7 @@ struct Scene {
     coatings: Vec<SurfaceCoating>,
 }
 
-impl Scene {
+impl FlareSetup {
     fn surfaces(&self, lens: &Lens) -> Surfaces {
         Surfaces::of_each(lens, &self.coatings)
     }
@@ -213,7 +213,7 @@ impl Scene {
     }
 
     /// Ranks all pairs by their watts at the lens's own wavelength.
-    fn rank(&self, lens: &Lens) -> Table {
+    fn rank(&self, lens: &Lens) -> GhostTable {
         let ghosts = self.ghosts(lens);
         let front = lens.front().semi_diameter;
         let mut found: Vec<Ghost> = ghosts
@@ -230,7 +230,7 @@ impl Scene {
         found.sort_by(|a, b| b.watts.total_cmp(&a.watts));
         let direct = ghosts.spray(ghosts.direct(), self.lamp, 2 * RANKING);
         let beyond = beyond_pairs(&self.surfaces(lens), lens);
-        Table {
+        GhostTable {
             ghosts: found,
             direct: direct.watts(),
             wavelength: lens.wavelength,
@@ -241,7 +241,7 @@ impl Scene {
     }
 
     /// Renders the ghosts on film, red, green and blue for a white lamp; also returns the watts on it.
-    fn picture(&self, args: &Args, opened: &OpenedLens, kept: &[Pair]) -> (Picture, f64) {
+    fn picture(&self, args: &Args, opened: &OpenedLens, brightest: &[Pair]) -> (Picture, f64) {
         let raster = args.film.raster();
         let size = [raster.xres, raster.yres];
         let film = args.film.film(opened.film_diagonal());
@@ -259,9 +259,9 @@ impl Scene {
             lens
         };
         // A coating that reflects nothing for a pair at one wavelength may reflect most of the light at another.
-        let mut kept = kept.to_vec();
+        let mut chosen = brightest.to_vec();
         if let [(first, _), .., (last, _)] = bands[..] {
-            kept.extend([first, last].into_iter().flat_map(|nm| self.rank(&lens_at(nm)).kept()));
+            chosen.extend([first, last].into_iter().flat_map(|nm| self.rank(&lens_at(nm)).brightest_pairs()));
         }
         let wavelengths: Vec<f64> = bands.iter().map(|(nm, _)| *nm).collect();
         let ghosts = GhostSpectrum::new(&wavelengths, lens_at, self.blades, &self.coatings, self.film);
@@ -277,7 +277,7 @@ impl Scene {
             ghosts.sprays(pair, self.lamp, args.rays, |k, spray| light.add(spray, shares(k)));
             light.spread();
         };
-        let pairs: Vec<Pair> = ghosts.pairs().filter(|pair| kept.contains(pair)).collect();
+        let pairs: Vec<Pair> = ghosts.pairs().filter(|pair| chosen.contains(pair)).collect();
         let mut pixels = pairs
             .into_par_iter()
             .fold(
@@ -331,21 +331,21 @@ mod tests {
         let lens = Lens::at_d_line(&catalogue::find("dgauss.50mm").unwrap());
         let table = |coating: Coating| {
             let coatings = vec![coating.into(); lens.surfaces.len()];
-            let scene = Scene {
+            let setup = FlareSetup {
                 blades: None,
                 film: lens.rear().vertex - 36.0,
                 lamp: lamp("15,0").unwrap(),
                 coatings,
             };
-            scene.rank(&lens)
+            setup.rank(&lens)
         };
         let [bare, coated] = [Coating::Bare, Coating::QuarterWave].map(table);
         assert_eq!((bare.ghosts.len(), coated.ghosts.len()), (45, 45));
-        let share = |table: &Table| table.watts() / table.direct;
+        let share = |table: &GhostTable| table.watts() / table.direct;
         assert!(share(&bare) > 0.02 && share(&coated) < 0.1 * share(&bare));
         assert!(bare.direct < 0.7 * coated.direct);
-        let kept = bare.kept().len();
-        assert!(kept > 10 && kept <= 45, "{kept}");
+        let count = bare.brightest_pairs().len();
+        assert!(count > 10 && count <= 45, "{count}");
         assert!(bare.text("bare").contains("45 pairs"));
         assert_eq!(bare.json("bare")["pairs"].as_array().unwrap().len(), 45);
     }

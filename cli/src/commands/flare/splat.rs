@@ -1,13 +1,13 @@
-//! Irradiance on film from landing points: the landings of a grid of cells in; watts by pixel out, times any factors,
-//! such as a wavelength's shares of red, green and blue.
+//! Irradiance on film from landing points: takes the landings of a grid of cells; returns watts by pixel, times any
+//! factors, such as a wavelength's shares of red, green and blue.
 //!
 //! A tent spreads each cell's watts over its neighbours' landings; it is twice as wide as the distance to them. Such
 //! tents add up to a constant, so an even light stays even. Their sum is the watts (for wide tents on average),
 //! whatever the map from the grid to the film. In a fold of the map the density is high and the sum is still right:
 //! landings are never joined to quadrilaterals.
 //!
-//! A cell lands at nearly the same place at neighbouring wavelengths: landings closer than a tent resolves are spread
-//! as one.
+//! A cell lands at nearly the same position at neighbouring wavelengths: landings closer than a tent resolves are
+//! spread as one.
 
 use realistic_camera::Film;
 use realistic_light::{Landing, Spray};
@@ -44,12 +44,12 @@ impl Target {
         [(self.origin[0] - x) * self.per_mm, (y - self.origin[1]) * self.per_mm]
     }
 
-    /// Returns an accumulator of light on pixels; light that is not [spread](Light::spread) in the end is lost.
-    pub fn light<'a, const N: usize>(&'a self, pixels: &'a mut [[f64; N]]) -> Light<'a, N> {
-        Light { target: self, pixels, band: Vec::new() }
+    /// Returns an accumulator of light on pixels; light that is not [spread](PendingLight::spread) in the end is lost.
+    pub fn light<'a, const N: usize>(&'a self, pixels: &'a mut [[f64; N]]) -> PendingLight<'a, N> {
+        PendingLight { target: self, pixels, band: Vec::new() }
     }
 
-    /// Adds watts as a tent about a place that falls to 0 one step away in either direction.
+    /// Adds watts as a tent about a position that falls to 0 one step away in either direction.
     fn tent<const N: usize>(
         &self,
         pixels: &mut [[f64; N]],
@@ -76,16 +76,16 @@ impl Target {
             let s = f64::from(i) / points[0];
             for j in 1 - numbers[1]..numbers[1] {
                 let t = f64::from(j) / points[1];
-                let place = [0, 1].map(|axis| here[axis] + s * steps[0][axis] + t * steps[1][axis]);
+                let position = [0, 1].map(|axis| here[axis] + s * steps[0][axis] + t * steps[1][axis]);
                 let share = each * (1.0 - s.abs()) * (1.0 - t.abs());
-                self.point(pixels, place, watts.map(|watts| watts * share));
+                self.point(pixels, position, watts.map(|watts| watts * share));
             }
         }
     }
 
     /// Adds a tent that is [`WIDE`] by its height in the middle of each pixel. The heights of an even light's tents
     /// then add up to a constant exactly. The sum of one tent's heights is its watts within 1/(4 s²) for s pixels per
-    /// step; the sign depends on its place.
+    /// step; the sign depends on its position.
     fn wide_tent<const N: usize>(
         &self,
         pixels: &mut [[f64; N]],
@@ -115,7 +115,7 @@ impl Target {
         }
     }
 
-    /// Adds watts to the four pixels about a place.
+    /// Adds watts to the four pixels about a position.
     fn point<const N: usize>(&self, pixels: &mut [[f64; N]], [x, y]: [f64; 2], watts: [f64; N]) {
         let (x, y) = (x - 0.5, y - 0.5);
         let (left, top) = (x.floor(), y.floor());
@@ -132,7 +132,7 @@ impl Target {
 }
 
 /// Light that the same cells land at one wavelength after the other, added to pixels.
-pub struct Light<'a, const N: usize> {
+pub struct PendingLight<'a, const N: usize> {
     target: &'a Target,
     pixels: &'a mut [[f64; N]],
     /// Light by cell that is not spread yet: from neighbouring wavelengths.
@@ -148,25 +148,25 @@ struct Cell<const N: usize> {
     near: f64,
     /// Reach of its tent, pixels.
     reach: [f64; 2],
-    /// Watts of the cell, and the sum of places times watts.
+    /// Watts of the cell, and the sum of positions times watts.
     sum: f64,
     moment: [f64; 2],
     /// Watts times the shares.
     watts: [f64; N],
 }
 
-impl<const N: usize> Light<'_, N> {
+impl<const N: usize> PendingLight<'_, N> {
     /// Adds the watts that a spray's cells land, times each of `shares`.
     pub fn add(&mut self, spray: &Spray, shares: [f64; N]) {
         if self.band.len() != spray.cells.len() || !self.holds(spray) {
             self.spread();
         }
         self.band.resize_with(spray.cells.len(), || None);
-        let place = |i: usize| spray.cells[i].map(|landing: Landing| self.target.raster(landing.point));
+        let position = |i: usize| spray.cells[i].map(|landing: Landing| self.target.raster(landing.point));
         for (i, landing) in spray.cells.iter().enumerate() {
-            let (Some(Landing { watts, .. }), Some(here)) = (landing, place(i)) else { continue };
+            let (Some(Landing { watts, .. }), Some(here)) = (landing, position(i)) else { continue };
             let cell = self.band[i].get_or_insert_with(|| {
-                let steps = steps(i, spray.side, here, place);
+                let steps = steps(i, spray.side, here, position);
                 let shorter = steps.map(|[x, y]| x.hypot(y)).into_iter().fold(f64::INFINITY, f64::min);
                 let near = 0.5 * shorter.max(1.0);
                 Cell { first: here, near, reach: reach(steps), sum: 0.0, moment: [0.0; 2], watts: [0.0; N] }
@@ -196,22 +196,27 @@ impl<const N: usize> Light<'_, N> {
     pub fn spread(&mut self) {
         let band = std::mem::take(&mut self.band);
         let side = band.len().isqrt();
-        let place = |i: usize| {
+        let position = |i: usize| {
             let cell: &Cell<N> = band[i].as_ref().filter(|cell| cell.sum > 0.0)?;
             Some(cell.moment.map(|moment| moment / cell.sum))
         };
         for (i, cell) in band.iter().enumerate() {
-            let (Some(cell), Some(here)) = (cell, place(i)) else { continue };
-            self.target.tent(self.pixels, here, steps(i, side, here, place), cell.watts);
+            let (Some(cell), Some(here)) = (cell, position(i)) else { continue };
+            self.target.tent(self.pixels, here, steps(i, side, here, position), cell.watts);
         }
     }
 }
 
 /// Returns the distances from a cell's landing to those of its neighbours, along either axis of the grid.
-fn steps(i: usize, side: usize, here: [f64; 2], place: impl Fn(usize) -> Option<[f64; 2]>) -> [[f64; 2]; 2] {
-    let step = |number: usize, apart: usize| {
-        let before = (number > 0).then(|| place(i - apart)).flatten();
-        let after = (number + 1 < side).then(|| place(i + apart)).flatten();
+fn steps(
+    i: usize,
+    side: usize,
+    here: [f64; 2],
+    position: impl Fn(usize) -> Option<[f64; 2]>,
+) -> [[f64; 2]; 2] {
+    let step = |number: usize, stride: usize| {
+        let before = (number > 0).then(|| position(i - stride)).flatten();
+        let after = (number + 1 < side).then(|| position(i + stride)).flatten();
         let (from, to, cells) = match (before, after) {
             (Some(before), Some(after)) => (before, after, 2.0),
             (Some(before), None) => (before, here, 1.0),
@@ -228,7 +233,8 @@ fn reach(steps: [[f64; 2]; 2]) -> [f64; 2] {
     [0, 1].map(|axis| steps[0][axis].abs() + steps[1][axis].abs() + 1.0)
 }
 
-/// Returns the map from pixels to the two steps of a tent; `None` unless the tent is at least [`WIDE`] every way.
+/// Returns the map from pixels to the two steps of a tent; `None` unless the tent is at least [`WIDE`] in every
+/// direction.
 fn inverse([[ax, ay], [bx, by]]: [[f64; 2]; 2]) -> Option<[[f64; 2]; 2]> {
     let area = ax * by - ay * bx;
     let longest = ax.hypot(ay).max(bx.hypot(by));
@@ -254,19 +260,19 @@ mod tests {
     }
 
     /// Returns the pixels of all sprays added one after the other, and of each added to pixels of its own.
-    fn spread_both_ways<const N: usize>(
+    fn spread_jointly_and_separately<const N: usize>(
         target: &Target,
         sprays: &[Spray],
         shares: &[[f64; N]],
     ) -> [Vec<[f64; N]>; 2] {
-        let [mut together, mut apart] = [target.dark(), target.dark()];
-        let mut light = target.light(&mut together);
+        let [mut joint, mut separate] = [target.dark(), target.dark()];
+        let mut light = target.light(&mut joint);
         sprays.iter().zip(shares).for_each(|(spray, shares)| light.add(spray, *shares));
         light.spread();
         for (spray, shares) in sprays.iter().zip(shares) {
-            add(target, &mut apart, spray, *shares);
+            add(target, &mut separate, spray, *shares);
         }
-        [together, apart]
+        [joint, separate]
     }
 
     fn add<const N: usize>(target: &Target, pixels: &mut [[f64; N]], spray: &Spray, shares: [f64; N]) {
@@ -325,7 +331,7 @@ mod tests {
     }
 
     #[test]
-    fn wavelengths_are_spread_together_where_no_cell_moves() {
+    fn wavelengths_are_spread_jointly_where_no_cell_moves() {
         // A cell is 3 pixels wide; from one wavelength to the next the grid moves.
         let target = target();
         let moved = |pixels: f64| {
@@ -342,15 +348,15 @@ mod tests {
         assert_eq!([0.0, 0.2, 0.4, 0.6, 1.2].map(bands), [5, 5, 3, 2, 1]);
         let shares = [[1.0, 0.0], [0.5, 0.5], [0.0, 1.0], [0.5, 0.0], [0.0, 0.5]];
         for step in [0.2, 0.6] {
-            let [together, apart] = spread_both_ways(&target, &sprays(step), &shares);
+            let [joint, separate] = spread_jointly_and_separately(&target, &sprays(step), &shares);
             // Two watts of each colour per cell of 3 x 3 pixels. At a corner both axes' edges fall by a third per
             // pixel, and a colour lies a fifth of a pixel from the common middle.
             let even = 2.0 / 9.0;
-            let off = together.iter().flatten().zip(apart.iter().flatten()).map(|(a, b)| (a - b).abs());
+            let off = joint.iter().flatten().zip(separate.iter().flatten()).map(|(a, b)| (a - b).abs());
             assert!(off.fold(0.0, f64::max) < 0.15 * even, "{step}");
             for k in 0..2 {
                 let sum = |pixels: &[[f64; 2]]| pixels.iter().map(|pixel| pixel[k]).sum::<f64>();
-                assert!((sum(&together) / sum(&apart) - 1.0).abs() < 1e-3, "{step}");
+                assert!((sum(&joint) / sum(&separate) - 1.0).abs() < 1e-3, "{step}");
             }
         }
     }
@@ -361,18 +367,18 @@ mod tests {
         // time.
         let target = target();
         let at = |pixels: f64| {
-            let place = move |x: f64, from: f64| from / target.per_mm + x * 0.25 / target.per_mm;
+            let position = move |x: f64, from: f64| from / target.per_mm + x * 0.25 / target.per_mm;
             // Raster x falls as the film's x grows.
-            spray(8, move |x, y| [place(-x, 33.0 - pixels), place(y, 0.0)])
+            spray(8, move |x, y| [position(-x, 33.0 - pixels), position(y, 0.0)])
         };
         let nowhere = Spray { side: 8, cells: vec![None; 64] };
         let later = [3.0, 9.0, 15.0].map(at);
         let shares = [[1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         for first in [at(0.0), nowhere] {
             let [a, b, c] = later.clone();
-            let [together, apart] = spread_both_ways(&target, &[first, a, b, c], &shares);
-            assert!(apart.iter().flatten().sum::<f64>() > 150.0);
-            let off = together.iter().flatten().zip(apart.iter().flatten()).map(|(a, b)| (a - b).abs());
+            let [joint, separate] = spread_jointly_and_separately(&target, &[first, a, b, c], &shares);
+            assert!(separate.iter().flatten().sum::<f64>() > 150.0);
+            let off = joint.iter().flatten().zip(separate.iter().flatten()).map(|(a, b)| (a - b).abs());
             assert!(off.fold(0.0, f64::max) < 1e-9);
         }
     }

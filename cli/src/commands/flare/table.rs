@@ -16,14 +16,13 @@ pub struct Ghost {
     pub middle: [f64; 2],
     /// RMS distance from the centre, mm.
     pub radius: f64,
-    /// Place at which light from infinity near the axis is in focus, mm before the film; `None` for
-    /// nowhere.
+    /// Distance before the film, mm, at which light from infinity near the axis is in focus; `None` for nowhere.
     pub focus: Option<f64>,
 }
 
 /// All ghosts, the brightest first.
 #[derive(Clone, Debug)]
-pub struct Table {
+pub struct GhostTable {
     /// The ghosts.
     pub ghosts: Vec<Ghost>,
     /// Power that reaches the plane of the film without a reflection, W per W/m².
@@ -41,15 +40,15 @@ pub struct Table {
 /// Rows of the printed table.
 const ROWS: usize = 12;
 
-impl Table {
+impl GhostTable {
     /// Returns the watts of all ghosts.
     pub fn watts(&self) -> f64 {
         self.ghosts.iter().fold(0.0, |sum, ghost| sum + ghost.watts)
     }
 
-    /// Returns the brightest pairs, without those that have no more than [`Table::left_out`] of the watts
-    /// in total.
-    pub fn kept(&self) -> Vec<Pair> {
+    /// Returns the brightest pairs, without those that have no more than [`GhostTable::left_out`] of the watts in
+    /// total.
+    pub fn brightest_pairs(&self) -> Vec<Pair> {
         let mut rest = self.left_out * self.watts();
         let mut ghosts = &self.ghosts[..];
         while let [before @ .., last] = ghosts
@@ -63,8 +62,8 @@ impl Table {
 
     /// Returns the share of the ghosts' watts that is left out.
     fn omitted(&self) -> f64 {
-        let kept = self.kept().len();
-        let omitted: f64 = self.ghosts[kept..].iter().fold(0.0, |sum, ghost| sum + ghost.watts);
+        let count = self.brightest_pairs().len();
+        let omitted: f64 = self.ghosts[count..].iter().fold(0.0, |sum, ghost| sum + ghost.watts);
         if omitted > 0.0 { omitted / self.watts() } else { 0.0 }
     }
 
@@ -89,7 +88,7 @@ impl Table {
             self.watts(),
             share(self.watts()),
             self.beyond,
-            self.ghosts.len() - self.kept().len(),
+            self.ghosts.len() - self.brightest_pairs().len(),
             self.omitted(),
         );
         if self.not_traced.pairs > 0 {

@@ -33,8 +33,8 @@ pub struct Facts(Vec<Fact>);
 const AT_INFINITY: f64 = 1e9;
 
 impl Facts {
-    /// Collects the facts of a lens with film `film_distance` mm behind the last vertex, if the film has a place, of a
-    /// `diagonal` in mm.
+    /// Collects the facts of a lens with film `film_distance` mm behind the last vertex, if the film has a position, of
+    /// a `diagonal` in mm.
     pub fn of(prescription: &Prescription, lens: &Lens, film_distance: Option<f64>, diagonal: f64) -> Self {
         let optics = FirstOrder::of(lens).ok();
         let Prescription { name, title, stated_focal_length: stated, .. } = prescription;
@@ -70,13 +70,13 @@ impl Facts {
 
 /// Returns focal length and cardinal points; with air on both sides the nodal points are the principal ones.
 fn first_order(optics: Option<FirstOrder>, stated: Option<f64>) -> [Fact; 5] {
-    let said = |say: &dyn Fn(FirstOrder) -> String| optics.map(say);
+    let formatted = |format: &dyn Fn(FirstOrder) -> String| optics.map(format);
     let both =
         |front: f64, rear: f64| format!("z = {} mm (scene), {} mm (film)", fixed(front, 4), fixed(rear, 4));
     let planes = |o: FirstOrder| both(o.front_principal_plane, o.rear_principal_plane);
     let (front, rear) = (optics.map(|o| o.front_principal_plane), optics.map(|o| o.rear_principal_plane));
     let in_file = stated.map_or_else(String::new, |f| format!(" (the file states {} mm)", as_given(f)));
-    let focal_length = said(&|o| format!("{} mm{in_file}", fixed(o.focal_length, 4)));
+    let focal_length = formatted(&|o| format!("{} mm{in_file}", fixed(o.focal_length, 4)));
     let afocal = || "none: the lens is afocal, parallel rays leave it parallel".to_owned();
     [
         fact(
@@ -89,12 +89,12 @@ fn first_order(optics: Option<FirstOrder>, stated: Option<f64>) -> [Fact; 5] {
         ),
         fact(
             "back focal dist.",
-            said(&|o| format!("{} mm", fixed(o.back_focal_distance(), 4))),
+            formatted(&|o| format!("{} mm", fixed(o.back_focal_distance(), 4))),
             json!({ "back_focal_distance_mm": optics.map(|o| o.back_focal_distance()) }),
         ),
         fact(
             "focal points",
-            said(&|o| both(o.front_focal_point, o.rear_focal_point)),
+            formatted(&|o| both(o.front_focal_point, o.rear_focal_point)),
             json!({
                 "front_focal_point_z_mm": optics.map(|o| o.front_focal_point),
                 "rear_focal_point_z_mm": optics.map(|o| o.rear_focal_point),
@@ -102,12 +102,12 @@ fn first_order(optics: Option<FirstOrder>, stated: Option<f64>) -> [Fact; 5] {
         ),
         fact(
             "principal planes",
-            said(&planes),
+            formatted(&planes),
             json!({ "front_principal_plane_z_mm": front, "rear_principal_plane_z_mm": rear }),
         ),
         fact(
             "nodal points",
-            said(&|o| planes(o) + ", air being on both sides"),
+            formatted(&|o| planes(o) + ", air being on both sides"),
             json!({ "front_nodal_point_z_mm": front, "rear_nodal_point_z_mm": rear }),
         ),
     ]
@@ -118,11 +118,11 @@ fn first_order(optics: Option<FirstOrder>, stated: Option<f64>) -> [Fact; 5] {
 fn pupils(lens: &Lens, optics: Option<FirstOrder>, beam: &AxialBeam) -> [Fact; 4] {
     let AxialBeam { limiting, entrance, exit, .. } = *beam;
     let size = optics.map_or(lens.front().semi_diameter, |optics| optics.focal_length.abs());
-    // Place and diameter. Adding 0 drops the sign of -0 for a pupil in the front vertex.
+    // Position and diameter. Adding 0 drops the sign of -0 for a pupil in the front vertex.
     let pupil = |z: Option<f64>, diameter: f64| {
         z.filter(|z| z.abs() < AT_INFINITY * size).map(|z| (z + 0.0, diameter))
     };
-    let said = |pupil: Option<(f64, f64)>| {
+    let formatted = |pupil: Option<(f64, f64)>| {
         pupil.map_or("at infinity".to_owned(), |(z, d)| {
             format!("z = {} mm, diameter {} mm", fixed(z, 4), fixed(d, 4))
         })
@@ -155,7 +155,7 @@ fn pupils(lens: &Lens, optics: Option<FirstOrder>, beam: &AxialBeam) -> [Fact; 4
     [
         fact(
             "entrance pupil",
-            said(entrance),
+            formatted(entrance),
             json!({
                 "entrance_pupil_z_mm": entrance.map(|p| p.0),
                 "entrance_pupil_diameter_mm": entrance.map(|p| p.1),
@@ -163,7 +163,7 @@ fn pupils(lens: &Lens, optics: Option<FirstOrder>, beam: &AxialBeam) -> [Fact; 4
         ),
         fact(
             "exit pupil",
-            said(exit),
+            formatted(exit),
             json!({
                 "exit_pupil_z_mm": exit.map(|p| p.0),
                 "exit_pupil_diameter_mm": exit.map(|p| p.1),
@@ -201,7 +201,7 @@ fn transmission(
     Some(fact("T-number", texts.join(", "), Value::Object(json)))
 }
 
-/// Returns the film's place, and the field of view on a `diagonal` in mm.
+/// Returns the film's position, and the field of view on a `diagonal` in mm.
 fn film(lens: &Lens, optics: Option<FirstOrder>, film_distance: Option<f64>, diagonal: f64) -> [Fact; 2] {
     let paraxial = film_distance.and(optics).map(|optics| field::paraxial(optics.focal_length, diagonal));
     let field = film_distance.map(|distance| Field::new(lens, lens.rear().vertex - distance));
@@ -217,7 +217,7 @@ fn film(lens: &Lens, optics: Option<FirstOrder>, film_distance: Option<f64>, dia
         (None, None) => "the film is dark".to_owned(),
     };
     let nowhere = || "has no place: the lens makes no real image of a distant object".to_owned();
-    let place = film_distance.map(|distance| format!("{} mm behind the last vertex", fixed(distance, 4)));
+    let position = film_distance.map(|distance| format!("{} mm behind the last vertex", fixed(distance, 4)));
     let view = || {
         let paraxial = degrees(paraxial);
         format!("on a diagonal of {} mm: {paraxial} paraxial (2 atan d/2f); {corner}", as_given(diagonal))
@@ -225,7 +225,7 @@ fn film(lens: &Lens, optics: Option<FirstOrder>, film_distance: Option<f64>, dia
     [
         fact(
             "film",
-            place.unwrap_or_else(nowhere),
+            position.unwrap_or_else(nowhere),
             json!({
                 "film_distance": film_distance,
                 "film_diagonal": film_distance.map(|_| diagonal),
@@ -254,7 +254,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pupil_at_infinity_is_said_in_words_and_null_in_json() {
+    fn a_pupil_at_infinity_is_stated_in_words_and_null_in_json() {
         // A lens with a stop in its front focal plane: 1/f = 0.5 (1/20 + 1/20 - 0.5 · 3/(1.5 · 400)), and the focal
         // point lies 0.95 f before the vertex.
         let focal_length = 1.0 / 0.04875;

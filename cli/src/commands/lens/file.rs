@@ -34,7 +34,7 @@ pub fn text(findings: &[Finding]) -> String {
         for finding in findings.iter().filter(|finding| finding.fate == fate) {
             // Statements without effect on the lens need no reasons.
             let (reason, words) = match fate {
-                Fate::Replaced | Fate::LeftOut => (finding.reason.as_str(), placed(finding)),
+                Fate::Replaced | Fate::LeftOut => (finding.reason.as_str(), located(finding)),
                 Fate::Informative | Fate::Used => ("", number(finding)),
             };
             match groups.iter_mut().find(|(known, _)| *known == reason) {
@@ -54,7 +54,7 @@ pub fn text(findings: &[Finding]) -> String {
 }
 
 /// Formats a statement with its surfaces and lines.
-fn placed(Finding { statement, surfaces, lines, .. }: &Finding) -> String {
+fn located(Finding { statement, surfaces, lines, .. }: &Finding) -> String {
     let of = match surfaces.as_slice() {
         [] => String::new(),
         some => format!(" of {}", counted("surface", "surfaces", some)),

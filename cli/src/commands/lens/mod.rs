@@ -8,7 +8,7 @@ mod table;
 
 use crate::arguments::LensChoice;
 use crate::console;
-use crate::drawing::{catalogue, picture};
+use crate::drawing::{catalogue, output};
 use crate::failure::Failure;
 use facts::Facts;
 use std::io::Write as _;
@@ -24,7 +24,7 @@ pub struct Args {
     /// The list has the focal length as computed, the f-number as the lens file states it (in parentheses the computed one,
     /// where it states none), the field of view, the interfaces and the year.
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true,
-          value_parser = picture::path)]
+          value_parser = output::path)]
     list: Option<Option<PathBuf>>,
     /// Write JSON; keys carry units, null means absent or at infinity
     #[arg(long)]
@@ -69,7 +69,7 @@ fn list(args: &Args) -> Result<(), Failure> {
             Err(Failure::Usage("--list=FILE draws, and --json writes JSON; give one of them".to_owned()))
         }
         Some(Some(out)) => {
-            picture::write(&catalogue::draw(&list::drawn()), out)?;
+            output::write(&catalogue::draw(&list::drawn()), out)?;
             Ok(console::report(&format!("{}\n", out.display()), out)?)
         }
         _ if args.json => Ok(writeln!(std::io::stdout(), "{:#}", list::json())?),

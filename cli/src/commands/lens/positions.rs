@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use std::fmt::Write as _;
 
 /// A position, and the lens's computed values there.
-pub struct Line<'a> {
+pub struct PositionLine<'a> {
     stated: &'a Position,
     focal_length: Option<f64>,
     f_number: Option<f64>,
@@ -23,7 +23,12 @@ pub struct Line<'a> {
 
 /// Returns every position in the order of the table, at a wavelength in nm and a stop; the field is that of a film
 /// `diagonal` in mm. Empty for a lens without positions.
-pub fn all(prescription: &Prescription, wavelength: f64, stop: StopSize, diagonal: f64) -> Vec<Line<'_>> {
+pub fn all(
+    prescription: &Prescription,
+    wavelength: f64,
+    stop: StopSize,
+    diagonal: f64,
+) -> Vec<PositionLine<'_>> {
     let (Some(groups), Some(positions)) = (MovingGroups::of(prescription), &prescription.positions) else {
         return Vec::new();
     };
@@ -41,7 +46,7 @@ pub fn all(prescription: &Prescription, wavelength: f64, stop: StopSize, diagona
             let film_distance =
                 lens.nominal_film_distance.or(optics.map(|optics| optics.image_distance(stated.vergence())));
             let film_distance = film_distance.filter(|distance| distance.is_finite() && *distance > 0.0);
-            Some(Line {
+            Some(PositionLine {
                 stated,
                 focal_length: optics.map(|optics| optics.focal_length),
                 f_number: optics.map(|optics| beam.fnumber(optics.focal_length)),
@@ -54,7 +59,7 @@ pub fn all(prescription: &Prescription, wavelength: f64, stop: StopSize, diagona
 }
 
 /// Formats the positions as JSON.
-pub fn json(lines: &[Line<'_>]) -> Value {
+pub fn json(lines: &[PositionLine<'_>]) -> Value {
     lines
         .iter()
         .map(|line| {
@@ -74,7 +79,7 @@ pub fn json(lines: &[Line<'_>]) -> Value {
 }
 
 /// Formats the positions as text; empty without positions.
-pub fn text(lines: &[Line<'_>]) -> String {
+pub fn text(lines: &[PositionLine<'_>]) -> String {
     if lines.is_empty() {
         return String::new();
     }

@@ -6,8 +6,8 @@ use crate::failure::Failure;
 use crate::files;
 use crate::host::scene::effects::{Effect, Effects};
 use crate::host::scene::props;
-use crate::host::studio::{Options, Order, Studio, whole_only};
-use crate::image::{Sheet, Tone, check_room};
+use crate::host::studio::{Options, ShotOptions, Studio, whole_only};
+use crate::image::{Sheet, Tone, check_memory};
 use realistic_base::message::fixed;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -56,17 +56,17 @@ pub fn run(args: &Args) -> Result<(), Failure> {
                 .to_owned(),
         ));
     }
-    check_room([studio.size[0] * COLUMNS, studio.size[1] * args.count.div_ceil(COLUMNS)], PER_PIXEL)?;
+    check_memory([studio.size[0] * COLUMNS, studio.size[1] * args.count.div_ceil(COLUMNS)], PER_PIXEL)?;
     files::make_folder(&args.out)?;
     let scene = props::scene().with(&Effects::only(&[Effect::SoftShadow, Effect::Dof]));
-    let order = Order::plain(args.options.spp.unwrap_or(SPP));
+    let options = ShotOptions::plain(args.options.spp.unwrap_or(SPP));
     let mut sheet = Sheet::new(studio.size, args.count, COLUMNS);
     let mut text = String::new();
     let mut before = None;
     for (index, distance) in (1..).zip(distances(args.from, args.to, args.count)) {
         let mut parameters = studio.parameters.clone();
         parameters.focus_distance = Some(distance / parameters.mm_per_unit.unwrap_or(1.0));
-        let shot = studio.take_after(before.as_ref(), &parameters, &scene, &order)?;
+        let shot = studio.take_after(before.as_ref(), &parameters, &scene, &options)?;
         let film = shot.camera.info()?.film_distance;
         let digits = args.count.to_string().len().max(2);
         let path = args.out.join(format!("focus-{index:0digits$}.png"));

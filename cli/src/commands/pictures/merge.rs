@@ -4,7 +4,7 @@ use crate::console;
 use crate::failure::Failure;
 use crate::files;
 use crate::image::tile::{self, Tile};
-use crate::image::{Colours, Format, Picture, SrgbImage, check_room, picture_path};
+use crate::image::{Colours, Format, Picture, SrgbImage, check_memory, picture_path};
 use std::path::{Path, PathBuf};
 
 /// The options of `merge`.
@@ -119,8 +119,8 @@ fn pasted<P: Copy + Default>(tiles: &[Tile<P>], size: [u32; 2]) -> Result<Vec<P>
         ));
     }
     // The memory holds the picture and the file made from it.
-    let is_there = check_room(size, 3 * size_of::<P>() as u64).is_ok();
-    let mut pixels = tile::room(size).filter(|_| is_there).ok_or_else(|| {
+    let is_there = check_memory(size, 3 * size_of::<P>() as u64).is_ok();
+    let mut pixels = tile::allocate(size).filter(|_| is_there).ok_or_else(|| {
         format!("there is no memory for the {width}x{height} picture; merge it where there is more")
     })?;
     for Tile { origin, pixels: own, .. } in tiles {
@@ -176,7 +176,7 @@ mod tests {
         let size @ [width, height] = [7, 5];
         let (mut whole, mut overlapping) = (0, 0);
         for _ in 0..3000 {
-            // Cells of a grid, without some, and now and then a rectangle at a random place on top.
+            // Cells of a grid, without some, and sometimes a rectangle at a random position on top.
             let (column, row) = (random.random_range(1..width), random.random_range(1..height));
             let cells = [[0, 0, column, row], [column, 0, width, row], [0, row, width, height]];
             let mut crops: Vec<[u32; 4]> =
@@ -188,14 +188,14 @@ mod tests {
             let owners = |x: u32, y: u32| {
                 crops.iter().filter(|c| c[0] <= x && x < c[2] && c[1] <= y && y < c[3]).count()
             };
-            let mut places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-            let is_overlapping = places.clone().any(|(x, y)| owners(x, y) > 1);
+            let mut pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+            let is_overlapping = pixels.clone().any(|(x, y)| owners(x, y) > 1);
             assert_eq!(overlap(&crops).is_some(), is_overlapping, "{crops:?}");
             overlapping += u32::from(is_overlapping);
             if is_overlapping {
                 continue;
             }
-            let expected = places.find(|&(x, y)| owners(x, y) == 0).map(|(x0, y0)| {
+            let expected = pixels.find(|&(x, y)| owners(x, y) == 0).map(|(x0, y0)| {
                 let x1 = (x0..width).find(|&x| owners(x, y0) > 0).unwrap_or(width);
                 let y1 = (y0..height).find(|&y| (x0..x1).any(|x| owners(x, y) > 0)).unwrap_or(height);
                 [x0, y0, x1, y1]

@@ -3,7 +3,7 @@
 use crate::arguments::CameraChoice;
 use crate::failure::Failure;
 use crate::host::plugin::Camera;
-use crate::host::studio::{Order, Shot, Studio};
+use crate::host::studio::{Shot, ShotOptions, Studio};
 use crate::image::{Format, tile::Origin};
 use realistic::ffi::{realistic_ray, realistic_sample};
 use realistic_lab::render::Rays;
@@ -18,7 +18,7 @@ pub fn origin(
     scene: &str,
     format: Format,
     studio: &Studio,
-    order: &Order,
+    options: &ShotOptions,
     shot: &Shot,
 ) -> Result<Origin, Failure> {
     // Each tile has its own crop. The lens shows in its rays, wherever its file lies.
@@ -30,11 +30,11 @@ pub fn origin(
         ("lens", shot.camera.lens_name()?),
         ("parameters", parameters.join(" ")),
         ("focal length and film distance", format!("{} {}", info.focal_length_mm, info.film_distance)),
-        ("samples per pixel", order.spp.to_string()),
-        ("filter", format!("{:?}", order.filter)),
+        ("samples per pixel", options.spp.to_string()),
+        ("filter", format!("{:?}", options.filter)),
         ("seed", studio.seed().to_string()),
         ("scene and effects", scene.to_owned()),
-        ("wavelengths", order.wavelengths.map_or_else(|| "the lens's own".to_owned(), |n| n.to_string())),
+        ("wavelengths", options.wavelengths.map_or_else(|| "the lens's own".to_owned(), |n| n.to_string())),
         ("rays", format!("{:016x}", fingerprint(&shot.camera, whole)?)),
     ];
     if format == Format::Png {

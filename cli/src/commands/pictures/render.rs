@@ -9,7 +9,7 @@ use crate::host::plugin::{Camera, Plugin};
 use crate::host::render::Integrator;
 use crate::host::scene::effects::Effects;
 use crate::host::scene::{chess, night, props};
-use crate::host::studio::{Method, Options, Order, Shot, Slide, Studio, stopped_down};
+use crate::host::studio::{Method, Options, Shot, ShotOptions, Slide, Studio, stopped_down};
 use crate::image::{Filter, Format, Tone, picture_path, tile};
 use clap::ValueEnum;
 use realistic_base::message::fixed;
@@ -23,12 +23,12 @@ pub struct Args {
     #[command(flatten)]
     pub camera: CameraChoice,
     #[command(flatten)]
-    pub how: How,
+    pub picture: PictureArgs,
 }
 
 /// The picture to render, and its file.
 #[derive(clap::Args, Debug)]
-pub struct How {
+pub struct PictureArgs {
     #[command(flatten)]
     pub options: Options,
     /// Picture, .png or .exr; - for a .png on standard output
@@ -138,15 +138,15 @@ impl Stage {
     }
 }
 
-/// Stands for a zone in the middle of the picture.
+/// Value of the flag for a zone in the middle of the picture.
 const MIDDLE: &str = "middle";
 
 /// Renders, writes the picture and reports the lens.
 ///
 /// # Errors
 /// Bad parameters, no plugin, or a file that cannot be written.
-pub fn run(camera: &CameraChoice, args: &How) -> Result<(), Failure> {
-    files::make_room(&args.out)?;
+pub fn run(camera: &CameraChoice, args: &PictureArgs) -> Result<(), Failure> {
+    files::make_parent(&args.out)?;
     let studio = Studio::open(camera, &args.options)?;
     if let Some(slide) = args.slide {
         let (picture, text) = slide.take(&studio, camera.has_lens(), args.options.spp)?;
@@ -172,32 +172,32 @@ pub fn run(camera: &CameraChoice, args: &How) -> Result<(), Failure> {
         let (rule, method) = (args.autofocus_rule, args.autofocus_by);
         parameters.film_distance = Some(studio.autofocus(&parameters, &scene, &zones, rule, method)?);
     }
-    let order = Order {
+    let options = ShotOptions {
         wavelengths: args.wavelengths,
         integrator: args.integrator,
         filter: args.filter.unwrap_or(args.scene.filter()),
-        ..Order::plain(args.options.spp.unwrap_or(args.scene.spp()))
+        ..ShotOptions::plain(args.options.spp.unwrap_or(args.scene.spp()))
     };
     if args.noise {
-        let (noise, shot) = studio.noise(&parameters, &scene, &order)?;
+        let (noise, shot) = studio.noise(&parameters, &scene, &options)?;
         let mut text = describe(&studio.plugin, &shot.camera, studio.size)?;
         let _ = writeln!(text, "noise    {} % of the picture's mean", fixed(100.0 * noise, 2));
-        let _ = writeln!(text, "parts    {}", timing(&order, &shot, studio.threads()));
+        let _ = writeln!(text, "parts    {}", timing(&options, &shot, studio.threads()));
         return Ok(console::report(&text, &args.out)?);
     }
-    let shot = studio.take(&parameters, &scene, &order)?;
+    let shot = studio.take(&parameters, &scene, &options)?;
     let mut text = describe(&studio.plugin, &shot.camera, studio.size)?;
     if parameters.crop.is_some() {
         let shown = format!("{:?}, {}", args.scene, args.effects);
         let format = Format::of(&args.out).map_err(Failure::Usage)?;
-        let origin = origin(camera, &shown, format, &studio, &order, &shot)?;
+        let origin = origin(camera, &shown, format, &studio, &options, &shot)?;
         tile::write(&shot.picture, &args.out, shot.tone, &origin)?;
         let ([x0, y0, ..], [width, height]) = (origin.crop, origin.whole);
         let _ = writeln!(text, "tile     at {x0},{y0} of {width}x{height}, for `realistic merge`");
     } else {
         shot.picture.write(&args.out, shot.tone)?;
     }
-    let _ = writeln!(text, "picture  {}", timing(&order, &shot, studio.threads()));
+    let _ = writeln!(text, "picture  {}", timing(&options, &shot, studio.threads()));
     let _ = writeln!(text, "         {}", args.out.display());
     Ok(console::report(&text, &args.out)?)
 }
@@ -242,15 +242,16 @@ fn describe(plugin: &Plugin, camera: &Camera, size: [u32; 2]) -> Result<String, 
     ))
 }
 
-fn timing(order: &Order, shot: &Shot, threads: usize) -> String {
+fn timing(options: &ShotOptions, shot: &Shot, threads: usize) -> String {
     let [width, height] = shot.picture.size;
     let tally = &shot.tally;
     let rays = tally.rays as f64;
-    let colours = order.wavelengths.map_or(String::new(), |count| format!(" at each of {count} wavelengths"));
+    let colours =
+        options.wavelengths.map_or(String::new(), |count| format!(" at each of {count} wavelengths"));
     format!(
         "{width}x{height}, {} samples per pixel{colours}, in {:.2} s on {threads} thread{}: {:.2} million rays per \
          second,\n         {:.0} ns per ray in the lens, {:.1} % of the rays got through it",
-        order.spp,
+        options.spp,
         shot.took.as_secs_f64(),
         if threads == 1 { "" } else { "s" },
         rays / shot.took.as_secs_f64() / 1e6,

@@ -8,7 +8,7 @@ pub use order::Args;
 
 use crate::console::warn;
 use crate::failure::Failure;
-use order::Order;
+use order::CameraOrder;
 use realistic_camera::Level;
 use realistic_camera::plan::choice::{Candidate, Verdict};
 use realistic_camera::plan::{Entry, Item, Plan};
@@ -20,7 +20,7 @@ use std::io::Write as _;
 /// # Errors
 /// The camera cannot be built.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let order = Order::of(args)?;
+    let order = CameraOrder::of(args)?;
     let camera = order.camera(&mut |level, message| {
         if level == Level::Warning {
             warn(message);

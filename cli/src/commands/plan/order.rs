@@ -17,12 +17,12 @@ pub struct Args {
 }
 
 /// A camera to be built in several variants.
-pub struct Order {
+pub struct CameraOrder {
     pub parameters: Parameters,
     pub host: Host,
 }
 
-impl Order {
+impl CameraOrder {
     /// Makes the order from the arguments.
     ///
     /// # Errors

@@ -1,7 +1,6 @@
-//! The time saved by leaving out: cameras with and without the parts that their plan leaves out, timed now and
-//! in turns.
+//! The time saved by leaving parts out: cameras with and without the parts that their plan leaves out, timed in turns.
 
-use super::order::Order;
+use super::order::CameraOrder;
 use crate::failure::Failure;
 use realistic_camera::plan::Plan;
 use realistic_camera::{
@@ -18,7 +17,7 @@ use std::time::Duration;
 
 /// A request to a camera.
 #[derive(Clone, Copy)]
-enum Ask {
+enum RayRequest {
     Rays,
     RaysAtWavelengths,
     Differentials,
@@ -27,18 +26,17 @@ enum Ask {
 }
 
 /// A camera to be timed.
-struct Way {
+struct Variant {
     name: &'static str,
     parameters: Parameters,
     host: Host,
-    ask: Ask,
+    request: RayRequest,
 }
 
 /// The cost of a camera.
 struct Cost {
     name: &'static str,
-    /// Seconds per sample in blocks, seconds per sample one by one, seconds to build the camera and for a first
-    /// call.
+    /// Seconds per sample in blocks; then per sample one by one; then to build the camera and make a first call.
     batch: Timing,
     single: Timing,
     build: Timing,
@@ -49,7 +47,7 @@ pub struct Savings(Vec<Cost>);
 
 const RAYS: Effort = Effort { rounds: 21, least: Duration::from_micros(200) };
 const BUILDS: Effort = Effort { rounds: 7, least: Duration::from_micros(1) };
-/// Longest time to measure each of the three, without the first turn.
+/// Longest time of each of the three measurements, without the first turn.
 const MOST: Duration = Duration::from_secs(2);
 
 /// Share of samples for ghosts when they are timed.
@@ -62,22 +60,24 @@ impl Savings {
     ///
     /// # Errors
     /// The camera cannot be built.
-    pub fn measure(order: &Order, plan: &Plan) -> Result<Self, Failure> {
-        let ways = ways(order, plan);
-        let build = |way: &Way| Camera::build(&way.parameters, &way.host, &mut |_, _| ());
-        let cameras: Vec<(Camera, Ask)> =
-            ways.iter().map(|way| Ok((build(way)?, way.ask))).collect::<Result<_, Failure>>()?;
+    pub fn measure(order: &CameraOrder, plan: &Plan) -> Result<Self, Failure> {
+        let variants = variants(order, plan);
+        let build = |variant: &Variant| Camera::build(&variant.parameters, &variant.host, &mut |_, _| ());
+        let cameras: Vec<(Camera, RayRequest)> = variants
+            .iter()
+            .map(|variant| Ok((build(variant)?, variant.request)))
+            .collect::<Result<_, Failure>>()?;
         let samples = samples(BLOCK, order.host.raster, 0.5);
-        let batches = timed(&cameras, RAYS, |(camera, ask)| ask.in_one_call(camera, &samples));
-        let singles = timed(&cameras, RAYS, |(camera, ask)| ask.one_by_one(camera, &samples));
-        let builds = timed(&ways, BUILDS, |way| {
-            if let Ok(camera) = build(way) {
-                way.ask.first(&camera, &samples.first(BLOCK).get(0));
+        let batches = timed(&cameras, RAYS, |(camera, request)| request.in_one_call(camera, &samples));
+        let singles = timed(&cameras, RAYS, |(camera, request)| request.one_by_one(camera, &samples));
+        let builds = timed(&variants, BUILDS, |variant| {
+            if let Ok(camera) = build(variant) {
+                variant.request.first(&camera, &samples.first(BLOCK).get(0));
             }
         });
         let times = batches.into_iter().zip(singles).zip(builds);
-        let costs = ways.iter().zip(times).map(|(way, ((batch, single), build))| Cost {
-            name: way.name,
+        let costs = variants.iter().zip(times).map(|(variant, ((batch, single), build))| Cost {
+            name: variant.name,
             batch: batch.per(BLOCK),
             single: single.per(BLOCK),
             build,
@@ -122,22 +122,22 @@ impl Savings {
 }
 
 /// Returns the camera as requested, and variants with each part that its plan leaves out until it is requested.
-fn ways(order: &Order, plan: &Plan) -> Vec<Way> {
+fn variants(order: &CameraOrder, plan: &Plan) -> Vec<Variant> {
     let (own, host) = (&order.parameters, &order.host);
-    let plain = |name, ask| Way { name, parameters: own.clone(), host: host.clone(), ask };
-    let with = |name, parameters| Way { parameters, ..plain(name, Ask::Rays) };
-    let mut ways = vec![plain("this camera", Ask::Rays)];
+    let plain = |name, request| Variant { name, parameters: own.clone(), host: host.clone(), request };
+    let with = |name, parameters| Variant { parameters, ..plain(name, RayRequest::Rays) };
+    let mut variants = vec![plain("this camera", RayRequest::Rays)];
     if order.tolerance() > 0.0 {
-        ways.push(with("without the tolerance", Parameters { tolerance: None, ..own.clone() }));
+        variants.push(with("without the tolerance", Parameters { tolerance: None, ..own.clone() }));
     }
     let leaves_out = |what: &str| plan.items().iter().any(|item| !item.kept && item.what == what);
-    for (what, name, ask) in [
-        ("dispersion", "with a wavelength each", Ask::RaysAtWavelengths),
-        ("differentials", "with differentials", Ask::Differentials),
-        ("importance", "with importance", Ask::Importance),
+    for (what, name, request) in [
+        ("dispersion", "with a wavelength each", RayRequest::RaysAtWavelengths),
+        ("differentials", "with differentials", RayRequest::Differentials),
+        ("importance", "with importance", RayRequest::Importance),
     ] {
         if leaves_out(what) {
-            ways.push(plain(name, ask));
+            variants.push(plain(name, request));
         }
     }
     let is_uncoated = leaves_out("transmission");
@@ -146,17 +146,17 @@ fn ways(order: &Order, plan: &Plan) -> Vec<Way> {
         false => own.clone(),
     };
     if is_uncoated {
-        ways.push(with("with transmission", coated.clone()));
+        variants.push(with("with transmission", coated.clone()));
     }
     if leaves_out("ghosts") {
         let name = if is_uncoated { "with transmission, ghosts" } else { "with ghosts" };
-        ways.push(with(name, Parameters { ghosts: Some(GHOSTS), ..coated }));
+        variants.push(with(name, Parameters { ghosts: Some(GHOSTS), ..coated }));
     }
     let moving = CameraMotion::between((CameraToWorld::IDENTITY, 0.0), (moved(), 1.0)).expect("a motion");
     for (name, to_world) in [("turned and moved", moved().into()), ("moving", moving)] {
-        ways.push(Way { host: Host { to_world, ..host.clone() }, ..plain(name, Ask::Rays) });
+        variants.push(Variant { host: Host { to_world, ..host.clone() }, ..plain(name, RayRequest::Rays) });
     }
-    ways
+    variants
 }
 
 /// Returns a quarter turn about the vertical with a translation.
@@ -165,7 +165,7 @@ fn moved() -> CameraToWorld {
     CameraToWorld::from_rows(&rows).expect("a rotation and a move")
 }
 
-impl Ask {
+impl RayRequest {
     /// Requests a block in one call.
     fn in_one_call(self, camera: &Camera, samples: &SampleColumns) {
         in_one_call(samples, |samples, rays| match self {
@@ -209,7 +209,11 @@ impl Ask {
     }
 }
 
-fn timed<T>(ways: &[T], effort: Effort, work: impl Fn(&T)) -> Vec<Timing> {
+fn timed<T>(variants: &[T], effort: Effort, work: impl Fn(&T)) -> Vec<Timing> {
     let work = &work;
-    interleaved_within(ways.iter().map(|way| Box::new(move || work(way)) as Box<dyn FnMut()>), effort, MOST)
+    interleaved_within(
+        variants.iter().map(|variant| Box::new(move || work(variant)) as Box<dyn FnMut()>),
+        effort,
+        MOST,
+    )
 }

@@ -1,4 +1,4 @@
-//! Advice on what to use when: results in; a paragraph and a few sentences about all the lenses together out. A
+//! Advice on the method for each need: takes results; returns a paragraph, and a few sentences about all lenses. A
 //! difference within the threshold of the run is called a tie and does not count.
 
 use super::findings::{camera, range, saved, soonest};
@@ -14,8 +14,8 @@ use realistic_lab::subject::STOPPED_DOWN;
 /// Returns the result in one paragraph.
 pub fn what_to_use_when(results: &Results) -> Option<String> {
     let times = |entry, precision| {
-        let asked = Asked::Precision(precision);
-        let of = move |lens: &&'static str| camera(results, lens, false, entry, asked);
+        let request = Asked::Precision(precision);
+        let of = move |lens: &&'static str| camera(results, lens, false, entry, request);
         range(results.lenses.iter().filter_map(of).map(|saving| saving.left_out.median))
     };
     if results.leaving_out.is_empty() {
@@ -58,13 +58,17 @@ fn gains(results: &Results, entry: Entry, tolerance: f64) -> String {
     }
 }
 
-/// Counts the lenses on which one kind of pupil, or of sequence, is first to reach the error at which samplers are
-/// compared.
-fn wins<T: PartialEq>(results: &Results, of: impl Fn(&Curve) -> T, wanted: impl Fn(&T) -> bool) -> usize {
+/// Counts the lenses on which the selected kind of pupil, or of sequence, is first to reach the error at which samplers
+/// are compared.
+fn wins<T: PartialEq>(
+    results: &Results,
+    of: impl Fn(&Curve) -> T,
+    is_selected: impl Fn(&T) -> bool,
+) -> usize {
     let tie = results.ties().irradiance;
     let first = |lens: &&&str| {
         let curves = results.irradiance.iter().filter(|c| c.lens == ***lens);
-        soonest(curves, IRRADIANCE, tie).common(&of).is_some_and(|kind| wanted(&kind))
+        soonest(curves, IRRADIANCE, tie).common(&of).is_some_and(|kind| is_selected(&kind))
     };
     results.lenses.iter().filter(first).count()
 }
@@ -107,8 +111,8 @@ fn models(results: &Results) -> Option<String> {
 
 /// Reports the errors of models in vignetting.
 fn vignetting(results: &Results) -> Option<String> {
-    let worst = |wanted: &dyn Fn(&str, bool) -> bool| {
-        let own = results.vignetting.iter().filter(|m| wanted(m.method.name, m.apertures));
+    let worst = |is_selected: &dyn Fn(&str, bool) -> bool| {
+        let own = results.vignetting.iter().filter(|m| is_selected(m.method.name, m.apertures));
         own.map(realistic_lab::accuracy::vignetting::Vignetting::worst).fold(0.0, f64::max)
     };
     (!results.vignetting.is_empty()).then(|| {
@@ -183,8 +187,8 @@ pub fn stability(results: &Results, suite: &Suite) -> Option<String> {
     if results.stability.is_empty() {
         return None;
     }
-    let sum = |wanted: &dyn Fn(&str, &str) -> bool| -> usize {
-        let own = results.stability.iter().filter(|c| wanted(c.tracer, c.group));
+    let sum = |is_selected: &dyn Fn(&str, &str) -> bool| -> usize {
+        let own = results.stability.iter().filter(|c| is_selected(c.tracer, c.group));
         own.map(|c| c.rays + c.undecided).sum()
     };
     let [named, random] = [false, true]
@@ -228,7 +232,7 @@ mod tests {
     use realistic_lab::stability::CaseResult;
 
     #[test]
-    fn of_nothing_nothing_is_said() {
+    fn empty_results_give_no_advice() {
         let suite = Suite::quick(chequers::radiance);
         assert_eq!(advice(&Results::default(), &suite), Vec::<String>::new());
         assert_eq!(what_to_use_when(&Results::default()), None);

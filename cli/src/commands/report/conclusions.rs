@@ -79,8 +79,8 @@ fn in_words(results: &Results, own: &Saving) -> String {
     format!("{}, {}, {gain}", tracing(own.tracing), seconds(own.left_out.median))
 }
 
-/// Describes the method that a tolerance chose for either way of calling, its stated error, and the time to build such
-/// a camera.
+/// Describes the methods that a tolerance chose in batches and one by one, their stated errors, and the time to build
+/// such a camera.
 fn cost(results: &Results, many: &Saving, one: &Saving) -> String {
     let chose = |own: &Saving| {
         let beside = exact(results, own).map_or(f64::NAN, |exact| exact.left_out.median);
@@ -93,8 +93,8 @@ fn cost(results: &Results, many: &Saving, one: &Saving) -> String {
             seconds(beside)
         )
     };
-    let [build, kept] = many.build.map(seconds);
-    format!("{}; {}; the camera is built in {build} instead of {kept}", chose(many), chose(one))
+    let [build, exact_build] = many.build.map(seconds);
+    format!("{}; {}; the camera is built in {build} instead of {exact_build}", chose(many), chose(one))
 }
 
 /// Describes the first curve to reach an error, and those that tie with it.
@@ -120,20 +120,20 @@ pub fn sentences(results: &Results) -> Vec<(&str, Vec<String>)> {
     let of_lens = |lens| {
         [kernels, polynomials, savings, pupils, estimators]
             .iter()
-            .filter_map(|say| say(results, lens))
+            .filter_map(|describe| describe(results, lens))
             .collect()
     };
     let lenses = results.lenses.iter().map(|&lens| (lens, of_lens(lens)));
     lenses.chain([("stability", stability(results))]).collect()
 }
 
-/// Returns the fastest of the wanted methods on a lens.
+/// Returns the fastest of the selected methods on a lens.
 fn fastest<'a>(
     results: &'a Results,
     lens: &str,
-    wanted: impl Fn(&RayErrors) -> bool,
+    is_selected: impl Fn(&RayErrors) -> bool,
 ) -> Option<&'a RayErrors> {
-    let own = results.ray_map.iter().filter(|m| m.lens == lens && wanted(m));
+    let own = results.ray_map.iter().filter(|m| m.lens == lens && is_selected(m));
     own.min_by(|a, b| a.time.median.total_cmp(&b.time.median))
 }
 
@@ -144,7 +144,7 @@ fn is_exact(m: &RayErrors) -> bool {
 
 /// Describes the gain from compiling a lens.
 fn kernels(results: &Results, lens: &str) -> Option<String> {
-    let own = |wanted: &dyn Fn(&RayErrors) -> bool| fastest(results, lens, wanted);
+    let own = |is_selected: &dyn Fn(&RayErrors) -> bool| fastest(results, lens, is_selected);
     let walk = own(&|m| m.method.family() == Family::Walk && is_exact(m))?;
     let one = own(&|m| m.method.name.starts_with("one") && is_exact(m))?;
     let batch = own(&|m| m.method.family() == Family::KernelBatch && is_exact(m))?;

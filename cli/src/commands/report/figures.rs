@@ -1,4 +1,4 @@
-//! The figures of the report: measured results in; sections with their charts out.
+//! The figures of the report: takes measured results; returns sections with their charts.
 
 use crate::plots::PALETTE;
 use crate::plots::chart::{Chart, Mark, Series};
@@ -119,7 +119,7 @@ const STABILITY: &str = "Extreme lenses and rays with known answers: a mark is a
     \"realistic report --case\" with the name of one repeats it; three beyond those of a full run are known to fail, and stand in \
     docs/accuracy.md. The table has the worst of each group, the CSV every case.";
 
-/// Returns the charts at the top of the page: cost and error of a camera's ray, for each way of calling.
+/// Returns the charts at the top of the page: cost and error of a camera's ray, in batches and one by one.
 pub fn overview(results: &Results) -> Vec<Figure> {
     let of = |file: &str, title: &str, entry: Entry| Figure {
         file: file.to_owned(),
@@ -446,10 +446,10 @@ fn cases(results: &Results, title: &str, shown: &[&'static str], levels: Vec<(f6
     let series = shown.iter().enumerate().map(|(number, &tracer)| {
         // Cases without numbered rays have no condition number; the table has them.
         let own = results.stability.iter().filter(|case| case.tracer == tracer && case.condition > 0.0);
-        let places = own
+        let points = own
             .map(|case| [case.condition, case.ratio.max(EXACT)])
             .filter(|at| drawn.insert((number, at.map(|x| (x.log10() * GRAIN).round() as i64))));
-        Series::marks(tracer, number, places.map(|at| Mark { at, ..Mark::default() }))
+        Series::marks(tracer, number, points.map(|at| Mark { at, ..Mark::default() }))
     });
     let (cost, error) = ("condition number", "error over what rounding is expected to do");
     Chart { title: title.to_owned(), cost, error, levels, series: series.collect() }

@@ -40,13 +40,13 @@ pub fn camera<'a>(
     lens: &str,
     stopped_down: bool,
     entry: Entry,
-    asked: Asked,
+    request: Asked,
 ) -> Option<&'a Saving> {
     results.leaving_out.iter().find(|saving| {
         saving.lens == lens
             && saving.stopped_down == stopped_down
             && saving.entry == entry
-            && saving.asked == asked
+            && saving.asked == request
     })
 }
 
@@ -115,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn a_win_exceeds_the_threshold_and_ties_are_named_together() {
+    fn a_win_exceeds_the_threshold_and_ties_are_listed() {
         let curves =
             [curve("rear", "random", 3.0), curve("warped", "Sobol'", 1.0), curve("warped", "random", 1.2)];
         let at = |ratio: f64| soonest(curves.iter(), 0.5, Tie { ratio, share: 0.9, pairs: 1 });

@@ -7,7 +7,7 @@ mod findings;
 mod page;
 
 use crate::console;
-use crate::drawing::picture;
+use crate::drawing::output;
 use crate::failure::Failure;
 use crate::files;
 use crate::host::scene::chequers;
@@ -52,7 +52,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let measured = suite.run(&mut |what| {
         progress.set_message(what.to_owned());
         progress.tick();
-        log.tell(start.elapsed(), what);
+        log.print(start.elapsed(), what);
     });
     let results = measured.map_err(|error| Failure::Other(error.to_string()))?;
     progress.finish_and_clear();
@@ -93,14 +93,14 @@ fn random_case(number: u64) -> String {
 /// The page's file.
 const PAGE: &str = "index.html";
 
-/// Progress without a terminal: a line now and then.
+/// Progress without a terminal: a line at most every two seconds.
 struct Log {
     terminal: bool,
     last: Option<Duration>,
 }
 
 impl Log {
-    fn tell(&mut self, now: Duration, what: &str) {
+    fn print(&mut self, now: Duration, what: &str) {
         let due = self.last.is_none_or(|last| now - last >= Duration::from_secs(2));
         if due && !self.terminal && !console::is_quiet() {
             eprintln!("{:6.1} s  {what}", now.as_secs_f64());
@@ -136,7 +136,7 @@ fn write(results: &Results, suite: &Suite, took: Duration, folder: &Path) -> Res
     let overview = figures::overview(results);
     let sections = figures::all(results);
     for figure in overview.iter().chain(sections.iter().flat_map(|section| &section.figures)) {
-        picture::write(&figure.chart.draw(), &folder.join(format!("{}.svg", figure.file)))?;
+        output::write(&figure.chart.draw(), &folder.join(format!("{}.svg", figure.file)))?;
     }
     save(PAGE, &page::page(results, suite, &overview, &sections, &machine::facts(), took))
 }
@@ -246,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn a_case_is_repeated_by_its_name_and_an_unknown_one_is_told() {
+    fn a_case_is_repeated_by_its_name_and_an_unknown_one_is_refused() {
         let text = case("random aspheric lens 7").unwrap();
         assert!(text.contains("walk f64") && text.contains("does not fail"), "{text}");
         let Err(Failure::Other(error)) = case("no such case") else { panic!("no such case is known") };

@@ -7,7 +7,7 @@ use std::io::{self, Write};
 
 /// A line of input.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Line {
+pub enum InputLine {
     /// Only space or a comment.
     Empty,
     /// Names of columns.
@@ -23,14 +23,14 @@ type Wrong = (usize, String);
 
 /// Parses a line. `film` is the z of a ray with an empty z; `may_be_header` is true until the first
 /// line that is not empty.
-pub fn read_line(line: &[u8], film: Option<f64>, may_be_header: bool) -> Result<Line, Wrong> {
+pub fn read_line(line: &[u8], film: Option<f64>, may_be_header: bool) -> Result<InputLine, Wrong> {
     let end = line.iter().position(|&byte| byte == b'#').unwrap_or(line.len());
     let text = std::str::from_utf8(&line[..end])
         .map_err(|error| (error.valid_up_to() + 1, "not text; expected a ray, x,y,z,dx,dy,dz".to_owned()))?;
     // Some editors put the byte order mark of UTF-8 before the first line.
     let (text, shift) = text.strip_prefix('\u{feff}').map_or((text, 0), |rest| (rest, 3));
     if text.trim().is_empty() {
-        return Ok(Line::Empty);
+        return Ok(InputLine::Empty);
     }
     let mut numbers = [0.0; 6];
     let mut count = 0;
@@ -45,7 +45,7 @@ pub fn read_line(line: &[u8], film: Option<f64>, may_be_header: bool) -> Result<
         numbers[count] = match word.parse::<f64>() {
             Ok(number) if number.is_finite() => number,
             Err(_) if count == 0 && may_be_header && word.starts_with(char::is_alphabetic) => {
-                return Ok(Line::Header);
+                return Ok(InputLine::Header);
             }
             Err(_) if word.is_empty() && name == "z" => film.ok_or_else(|| {
                 (
@@ -65,19 +65,19 @@ pub fn read_line(line: &[u8], film: Option<f64>, may_be_header: bool) -> Result<
     if [dx, dy, dz] == [0.0; 3] {
         return Err((1 + shift, "the direction dx,dy,dz is 0,0,0; expected one of some length".to_owned()));
     }
-    Ok(Line::Ray(Ray { origin: [x, y, z], direction: [dx, dy, dz] }))
+    Ok(InputLine::Ray(Ray { origin: [x, y, z], direction: [dx, dy, dz] }))
 }
 
 /// Output format of rays, one per line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
+pub enum LineFormat {
     /// Values separated by commas.
     Csv,
     /// A JSON object.
     Json,
 }
 
-impl Format {
+impl LineFormat {
     /// Writes the names of the columns, if the format has columns.
     pub fn write_header(self, output: &mut impl Write) -> io::Result<()> {
         match self {
@@ -112,8 +112,8 @@ mod tests {
     #[test]
     fn a_line_is_six_numbers() {
         let row = read_line(b" 1, 2 ,-3e0,\t0,0,+.5\r\n", None, true).unwrap();
-        assert_eq!(row, Line::Ray(Ray { origin: [1.0, 2.0, -3.0], direction: [0.0, 0.0, 0.5] }));
-        assert_eq!(read_line(b"\xef\xbb\xbfx,y,z\n", None, true), Ok(Line::Header));
+        assert_eq!(row, InputLine::Ray(Ray { origin: [1.0, 2.0, -3.0], direction: [0.0, 0.0, 0.5] }));
+        assert_eq!(read_line(b"\xef\xbb\xbfx,y,z\n", None, true), Ok(InputLine::Header));
     }
 
     #[test]
@@ -144,9 +144,9 @@ mod tests {
         let direction = [0.1, f64::MIN_POSITIVE / 3.0, -1.0 / 3.0];
         let ray = Ray { origin: [1e300, -0.0, 2.0_f64.sqrt()], direction };
         let mut line = Vec::new();
-        Format::Csv.write_ray(&mut line, ray, Some(Blocked::TurnedBack)).unwrap();
+        LineFormat::Csv.write_ray(&mut line, ray, Some(Blocked::TurnedBack)).unwrap();
         let text = String::from_utf8(line).unwrap();
         let values = text.strip_suffix(",turned_back\n").unwrap();
-        assert_eq!(read_line(values.as_bytes(), None, false), Ok(Line::Ray(ray)));
+        assert_eq!(read_line(values.as_bytes(), None, false), Ok(InputLine::Ray(ray)));
     }
 }

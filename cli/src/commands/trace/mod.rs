@@ -4,7 +4,7 @@ mod lines;
 
 use crate::arguments::LensChoice;
 use crate::failure::Failure;
-use lines::{Format, Line, read_line};
+use lines::{InputLine, LineFormat, read_line};
 use realistic_lab::methods::Method;
 use realistic_lab::methods::any_ray;
 use realistic_optics::trace::{Blocked, Direction, Ray};
@@ -81,9 +81,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         .expect("`trace` offers no method for a film's rays alone");
     let input = BufReader::with_capacity(1 << 16, io::stdin().lock());
     let mut output = BufWriter::with_capacity(1 << 16, io::stdout().lock());
-    let outcome = copy(input, &mut output, film, if args.json { Format::Json } else { Format::Csv }, |ray| {
-        tracer.one(ray)
-    });
+    let outcome =
+        copy(input, &mut output, film, if args.json { LineFormat::Json } else { LineFormat::Csv }, |ray| {
+            tracer.one(ray)
+        });
     // The rays before a bad line are still output.
     output.flush()?;
     outcome
@@ -93,7 +94,7 @@ fn copy(
     mut input: impl BufRead,
     output: &mut impl Write,
     film: Option<f64>,
-    format: Format,
+    format: LineFormat,
     trace: impl Fn(Ray) -> (Ray, Option<Blocked>),
 ) -> Result<(), Failure> {
     let mut line = Vec::new();
@@ -110,9 +111,9 @@ fn copy(
             Failure::Other(format!("standard input:{number}:{column}: {expected}"))
         })?;
         match row {
-            Line::Empty => continue,
-            Line::Header => format.write_header(output)?,
-            Line::Ray(ray) => {
+            InputLine::Empty => continue,
+            InputLine::Header => format.write_header(output)?,
+            InputLine::Ray(ray) => {
                 let (ray, blocked) = trace(ray);
                 format.write_ray(output, ray, blocked)?;
             }
@@ -128,7 +129,7 @@ mod tests {
 
     fn traced(input: &str) -> (String, Result<(), Failure>) {
         let mut output = Vec::new();
-        let outcome = copy(input.as_bytes(), &mut output, Some(-5.0), Format::Csv, |ray| (ray, None));
+        let outcome = copy(input.as_bytes(), &mut output, Some(-5.0), LineFormat::Csv, |ray| (ray, None));
         (String::from_utf8(output).unwrap(), outcome)
     }
 

@@ -11,11 +11,11 @@ use std::ptr::{null, null_mut};
 
 /// Points of a scene, in the camera's units, each with a pupil sample (u, v) and a time.
 #[derive(Default)]
-pub struct Places {
+pub struct ScenePoints {
     columns: [Vec<f32>; 6],
 }
 
-impl Places {
+impl ScenePoints {
     /// Adds a point.
     pub fn push(&mut self, [x, y, z]: [f32; 3], [u, v]: [f32; 2], time: f32) {
         for (column, number) in self.columns.iter_mut().zip([x, y, z, u, v, time]) {
@@ -83,17 +83,17 @@ pub type SampleImportance = unsafe extern "C" fn(
 pub unsafe fn connect(
     sample: SampleImportance,
     camera: *const realistic_camera,
-    places: &Places,
+    scene_points: &ScenePoints,
     found: &mut Connections,
 ) -> i32 {
-    let n = places.len();
+    let n = scene_points.len();
     let room = |column: &mut Vec<f32>| {
         column.resize(n, 0.0);
         column.as_mut_ptr()
     };
     let [ox, oy, oz, dx, dy, dz] = found.rays.each_mut().map(room);
     let [image_x, image_y] = found.image.each_mut().map(room);
-    let [x, y, z, u, v, time] = places.columns.each_ref().map(|column| column.as_ptr());
+    let [x, y, z, u, v, time] = scene_points.columns.each_ref().map(|column| column.as_ptr());
     let struct_size = size_of::<realistic_scene_points>() as u32;
     let points = realistic_scene_points {
         struct_size,
@@ -125,9 +125,9 @@ impl Camera {
     ///
     /// # Errors
     /// The plugin's error; its camera has no importance.
-    pub fn connect(&self, places: &Places, found: &mut Connections) -> Result<(), PluginError> {
+    pub fn connect(&self, scene_points: &ScenePoints, found: &mut Connections) -> Result<(), PluginError> {
         let sample = self.plugin().functions.camera_sample_importance;
         // SAFETY: the handle is this plugin's and alive.
-        self.plugin().check(unsafe { connect(sample, self.handle(), places, found) })
+        self.plugin().check(unsafe { connect(sample, self.handle(), scene_points, found) })
     }
 }

@@ -16,15 +16,15 @@ use thiserror::Error;
 /// An error of a plugin or a camera.
 #[derive(Debug, Error)]
 pub enum PluginError {
-    /// The file is in none of the places.
+    /// The file is in none of the searched locations.
     #[error(
-        "the plugin was not found; looked for {looked}. In the project's folder `cargo build --release -p realistic` \
+        "the plugin was not found; looked for {searched}. In the project's folder `cargo build --release -p realistic` \
          makes it as target/release/{}: put it into one of these places, or name it by --plugin or REALISTIC_PLUGIN",
         file_name()
     )]
     NotFound {
-        /// The places, in the order of the search.
-        looked: String,
+        /// The searched locations, in order.
+        searched: String,
     },
     /// The loader rejects the file, or the file lacks a function.
     #[error(

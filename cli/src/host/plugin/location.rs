@@ -1,4 +1,5 @@
-//! Finds the plugin: as the user specifies, in the build that the program belongs to, or in its installed place.
+//! Finds the plugin: at the path that the user gives, in the build that the program belongs to, or where it is
+//! installed.
 
 use super::library::{PluginError, file_name};
 use std::path::{Path, PathBuf};
@@ -6,8 +7,8 @@ use std::path::{Path, PathBuf};
 /// The variable that names the plugin if `--plugin` does not.
 const VARIABLE: &str = "REALISTIC_PLUGIN";
 
-/// Returns the plugin's file: `given`, else `REALISTIC_PLUGIN`, else the first that exists in the program's own
-/// places.
+/// Returns the plugin's file: `given`, else `REALISTIC_PLUGIN`, else the first that exists of the program's own
+/// candidates.
 ///
 /// # Errors
 /// No such file.
@@ -17,23 +18,24 @@ pub fn find(given: Option<&Path>) -> Result<PathBuf, PluginError> {
     let program = std::env::current_exe().unwrap_or_default();
     first_of(match named.or_else(variable) {
         Some(path) => vec![path],
-        None => places(program.parent().unwrap_or(Path::new("."))),
+        None => candidates(program.parent().unwrap_or(Path::new("."))),
     })
 }
 
-/// Returns the places that a program in this folder searches. In a target folder the copy in `deps/` comes
-/// first: cargo writes it whenever it builds the library for any reason, and puts one beside the program only
-/// when the library is the target.
-fn places(folder: &Path) -> Vec<PathBuf> {
+/// Returns the paths that a program in this folder searches. In a target folder the copy in `deps/` comes first: cargo
+/// writes it whenever it builds the library for any reason, and puts one beside the program only when the library is
+/// the target.
+fn candidates(folder: &Path) -> Vec<PathBuf> {
     let deps = folder.join("deps");
     let in_build = deps.is_dir().then_some(deps);
     // The program's own unit tests run in deps/.
     let installed = [folder.to_path_buf(), folder.join("../lib")];
-    in_build.into_iter().chain(installed).map(|place| place.join(file_name())).collect()
+    in_build.into_iter().chain(installed).map(|candidate| candidate.join(file_name())).collect()
 }
 
-fn first_of(places: Vec<PathBuf>) -> Result<PathBuf, PluginError> {
-    let looked = || places.iter().map(|place| place.display().to_string()).collect::<Vec<_>>().join(", ");
-    let found = places.iter().find(|place| place.is_file()).cloned();
-    found.ok_or_else(|| PluginError::NotFound { looked: looked() })
+fn first_of(candidates: Vec<PathBuf>) -> Result<PathBuf, PluginError> {
+    let searched =
+        || candidates.iter().map(|candidate| candidate.display().to_string()).collect::<Vec<_>>().join(", ");
+    let found = candidates.iter().find(|candidate| candidate.is_file()).cloned();
+    found.ok_or_else(|| PluginError::NotFound { searched: searched() })
 }

@@ -1,5 +1,4 @@
-//! The plugin from a renderer's view: a shared library, its functions by name, and cameras made by
-//! them.
+//! The plugin as a renderer uses it: a shared library, its functions by name, and the cameras that they make.
 
 mod camera;
 mod connections;
@@ -12,6 +11,6 @@ pub use camera::request_of;
 pub use camera::{Camera, Warn, c_options, generate};
 #[cfg(test)]
 pub use connections::connect;
-pub use connections::{Connections, Places};
+pub use connections::{Connections, ScenePoints};
 pub use library::{Plugin, PluginError};
 pub use location::find;

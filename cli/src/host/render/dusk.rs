@@ -8,14 +8,14 @@
 //! goes on by a facet visible from its direction (E. Heitz, "Sampling the GGX Distribution of Visible Normals", *JCGT*
 //! 7(4), 2018).
 //!
-//! With a table ([`super::gathered`]) matte reflection takes all other incident light from it, and paths go on only by
-//! facets. If a facet shows the matte surface, that light has passed one surface more than a path's.
+//! With a table ([`super::irradiance_cache`]) matte reflection takes all other incident light from it, and paths go on
+//! only by facets. If a facet shows the matte surface, that light has passed one surface more than a path's.
 
-use super::gathered::Gathered;
+use super::irradiance_cache::IrradianceCache;
 use super::lamplight::{START, scattered};
 use super::shade::{ShadingSample, fresnel};
 use crate::host::scene::shapes::Ray;
-use crate::host::scene::solids::{Form, Look, Solids};
+use crate::host::scene::solids::{Appearance, Form, Solids};
 use crate::host::scene::{Finish, Material, Pane, Scene, Sphere, sky};
 use glam::Vec3;
 use multiversion::multiversion;
@@ -34,9 +34,9 @@ const LAMPS: [u16; 2] = [3, 1];
 const MIRRORED: f32 = 6.0;
 /// Lamps per block: shares are summed by block before one lamp of the block is chosen.
 const BLOCK: usize = 16;
-/// A path whose throughput exceeds the reciprocal of this always goes on; any other with at least the probability
-/// below.
+/// A path whose throughput exceeds the reciprocal of this always goes on.
 const CERTAIN: f32 = 5.0;
+/// Smallest probability with which any other path goes on.
 const RARE: f32 = 0.3;
 /// Reflectance of a coat at normal incidence.
 const COAT: f32 = 0.04;
@@ -53,10 +53,10 @@ pub struct Dusk<'a> {
     bulbs: Solids,
     /// Panes that rays from the camera see as dark, by plane.
     dark: Vec<Vec<Pane>>,
-    gathered: Option<Gathered>,
+    cache: Option<IrradianceCache>,
 }
 
-/// A light source that [`super::bulbs`] connects to the lens.
+/// A light source that [`super::emitters`] connects to the lens.
 #[derive(Clone, Copy, Debug)]
 pub enum Emitter<'a> {
     /// A lamp and its radiance.
@@ -112,7 +112,7 @@ struct Surface {
 
 impl<'a> Dusk<'a> {
     /// Prepares the lamps of a scene. Rays from the camera see the emitters with these indices as dark, because
-    /// [`super::bulbs`] connects them to the camera.
+    /// [`super::emitters`] connects them to the camera.
     pub fn of(scene: &'a Scene, joined: &[usize]) -> Self {
         let all = scene.lamps.iter().flat_map(|group| &group.lamps);
         let lamps: Vec<(Sphere, Vec3)> = all.map(|lamp| (lamp.shape, lamp.material.colour)).collect();
@@ -127,7 +127,7 @@ impl<'a> Dusk<'a> {
         ];
         let bulb = |(number, (sphere, colour)): (usize, &(Sphere, Vec3))| {
             let colour = if joined.contains(&number) { Vec3::ZERO } else { *colour };
-            (Form::Ball(*sphere), Look::Plain(Material::new(colour, Finish::Lamp)))
+            (Form::Ball(*sphere), Appearance::Plain(Material::new(colour, Finish::Lamp)))
         };
         let bulbs = lamps.iter().enumerate().map(bulb).collect();
         let panes = (lamps.len()..).zip(&scene.panes).filter(|(number, _)| joined.contains(number));
@@ -135,13 +135,13 @@ impl<'a> Dusk<'a> {
         let is_coplanar =
             |one: &Pane, next: &Pane| one.normal == next.normal && one.is_level_with(next.corner);
         let dark = dark.chunk_by(is_coplanar).map(<[Pane]>::to_vec).collect();
-        Self { scene, lamps, columns, bulbs, dark, gathered: None }
+        Self { scene, lamps, columns, bulbs, dark, cache: None }
     }
 
     /// Adds a table of the light that matte surfaces reflect, for a picture of this number of samples.
-    pub fn gathering(self, samples: u64, seed: u64) -> Self {
+    pub fn with_cache(self, samples: u64, seed: u64) -> Self {
         let eye = [3, 7, 11].map(|at| self.scene.pose[at]).into();
-        Self { gathered: Some(Gathered::new(eye, samples, seed)), ..self }
+        Self { cache: Some(IrradianceCache::new(eye, samples, seed)), ..self }
     }
 
     /// Returns all light sources: the lamps, then the panes.
@@ -157,17 +157,17 @@ impl<'a> Dusk<'a> {
 
     /// Returns the radiance along a ray from the camera, and the ray's length.
     pub fn radiance(&self, ray: &Ray, sample: ShadingSample) -> (Vec3, f32) {
-        self.along(ray, sample, 1, self.gathered.as_ref())
+        self.along(ray, sample, 1, self.cache.as_ref())
     }
 
-    /// Returns the radiance along a ray to the surface of a path with this number, and the length of the ray from the
-    /// camera.
+    /// Returns the radiance along a ray, and the ray's length if it comes from the camera. `first` is the number, in
+    /// the path, of the surface that the ray meets.
     fn along(
         &self,
         ray: &Ray,
         sample: ShadingSample,
         first: u32,
-        gathered: Option<&Gathered>,
+        cache: Option<&IrradianceCache>,
     ) -> (Vec3, f32) {
         let mut sample = sample;
         let (mut ray, mut through, mut sum, mut distance) = (*ray, Vec3::ONE, Vec3::ZERO, f32::INFINITY);
@@ -196,13 +196,13 @@ impl<'a> Dusk<'a> {
             let surface = Surface::new(&material, ray.at(hit.distance), facing, -ray.direction);
             let count = if number == first {
                 LAMPS[usize::from(first > 1)]
-            } else if gathered.is_some() {
+            } else if cache.is_some() {
                 (MIRRORED * brightness(through)).clamp(1.0, MIRRORED) as u16
             } else {
                 LAMPS[1]
             };
             sum += through * self.lit(&surface, ray.time, sample.light, count);
-            let found = gathered.and_then(|table| self.irradiance(table, &surface, sample.aside));
+            let found = cache.and_then(|cache| self.irradiance(cache, &surface, sample.aside));
             let (direction, part) = match found {
                 Some(irradiance) => {
                     sum += through * surface.matte * FRAC_1_PI * irradiance;
@@ -232,10 +232,10 @@ impl<'a> Dusk<'a> {
     }
 
     /// Returns the irradiance of a surface, without the lamps.
-    fn irradiance(&self, table: &Gathered, surface: &Surface, aside: [f32; 2]) -> Option<Vec3> {
+    fn irradiance(&self, cache: &IrradianceCache, surface: &Surface, aside: [f32; 2]) -> Option<Vec3> {
         let nearest = |ray: &Ray| self.scene.nearest_surface(ray, 0.0).map(|(hit, _)| hit);
         let radiance = |ray: &Ray, sample: ShadingSample| self.along(ray, sample, 2, None).0;
-        table.irradiance(surface.point, surface.normal, aside, nearest, radiance)
+        cache.irradiance(surface.point, surface.normal, aside, nearest, radiance)
     }
 
     /// Returns the light that a surface reflects from the lamps: the mean over `count` points of lamps, over their
@@ -404,8 +404,8 @@ impl Surface {
     }
 }
 
-/// Computes the brightness that every lamp contributes by way of a surface, without occlusion and as a point; facets
-/// are rougher in proportion to the lamp's angular size.
+/// Computes the brightness that a surface reflects from every lamp, taken as a point without occlusion. The facets are
+/// rougher in proportion to the lamp's angular size.
 #[multiversion(targets("x86_64+avx2"))]
 fn expected([xs, ys, zs, radii, powers]: [&[f32]; 5], surface: &Surface, shares: &mut [f32]) {
     let Surface { point, normal, back, .. } = surface;
@@ -437,14 +437,14 @@ fn expected([xs, ys, zs, radii, powers]: [&[f32]; 5], surface: &Surface, shares:
     }
 }
 
-/// Returns the index of the share that contains a place on their sum, and the place within the share.
-fn chosen(shares: &[f32], mut place: f32) -> (usize, f32) {
+/// Returns the index of the share that contains a position on their sum, and the position within the share.
+fn chosen(shares: &[f32], mut position: f32) -> (usize, f32) {
     let mut index = 0;
-    while index + 1 < shares.len() && place >= shares[index] {
-        place -= shares[index];
+    while index + 1 < shares.len() && position >= shares[index] {
+        position -= shares[index];
         index += 1;
     }
-    (index, place)
+    (index, position)
 }
 
 /// Returns the luminance of a colour.

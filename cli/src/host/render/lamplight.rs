@@ -7,7 +7,7 @@ use crate::host::scene::{Finish, Material, Scene, Sphere};
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};
 
-/// Largest number of matte surfaces on the way from a lamp to the camera. The samples of a path from the camera are
+/// Largest number of matte surfaces on a path from a lamp to the camera. The samples of a path from the camera are
 /// independent up to this number.
 pub const REFLECTIONS: u32 = 2;
 /// Distance from a ray's start, mm, within which it meets nothing.
@@ -56,7 +56,7 @@ impl Lights {
         Self { lamps, shares }
     }
 
-    /// Returns a lamp for a number in [0, 1), the number's place in that lamp's share, and the share.
+    /// Returns a lamp for a number in [0, 1), the number's position in that lamp's share, and the share.
     fn choose(&self, number: f32) -> (usize, f32, f32) {
         let index = self.shares.partition_point(|share| *share <= number).min(self.shares.len() - 1);
         let before = if index == 0 { 0.0 } else { self.shares[index - 1] };

@@ -4,7 +4,7 @@
 
 use super::lamplight::{Lights, REFLECTIONS, START, scattered};
 use super::renderer::Settings;
-use crate::host::plugin::{Connections, Places, PluginError};
+use crate::host::plugin::{Connections, PluginError, ScenePoints};
 use crate::host::scene::shapes::Ray;
 use crate::host::scene::{Finish, Scene};
 use crate::image::Picture;
@@ -34,7 +34,7 @@ struct Vertex {
 /// # Errors
 /// The camera's error.
 pub fn trace(
-    camera: impl Fn(&Places, &mut Connections) -> Result<(), PluginError> + Sync,
+    camera: impl Fn(&ScenePoints, &mut Connections) -> Result<(), PluginError> + Sync,
     scene: &Scene,
     settings: &Settings<'_>,
     [open, close]: [f32; 2],
@@ -93,33 +93,33 @@ impl Tracer<'_> {
     fn batch(
         &mut self,
         count: u64,
-        camera: impl Fn(&Places, &mut Connections) -> Result<(), PluginError>,
+        camera: impl Fn(&ScenePoints, &mut Connections) -> Result<(), PluginError>,
     ) -> Result<(), PluginError> {
-        let (mut places, mut vertices) = (Places::default(), Vec::new());
+        let (mut scene_points, mut vertices) = (ScenePoints::default(), Vec::new());
         for _ in 0..count {
-            self.path(&mut places, &mut vertices);
+            self.path(&mut scene_points, &mut vertices);
         }
         let mut found = Connections::default();
         let start = Instant::now();
-        camera(&places, &mut found)?;
+        camera(&scene_points, &mut found)?;
         self.tally.in_camera += start.elapsed();
         self.tally.rays += vertices.len() as u64;
         for (i, vertex) in vertices.iter().enumerate() {
             if found.importance[i] > 0.0 {
                 self.tally.passed += 1;
-                self.count(&places, &found, i, vertex);
+                self.count(&scene_points, &found, i, vertex);
             }
         }
         Ok(())
     }
 
     /// Adds the vertices of one path, in the camera's units.
-    fn path(&mut self, places: &mut Places, vertices: &mut Vec<Vertex>) {
+    fn path(&mut self, scene_points: &mut ScenePoints, vertices: &mut Vec<Vertex>) {
         let [open, close] = self.shutter;
         let time = open + (close - open) * self.random.random::<f32>();
         let choice = self.random.random();
         let lamp = self.lights.point(choice, [self.random.random(), self.random.random()]);
-        self.place(places, lamp.point, time);
+        self.push_point(scene_points, lamp.point, time);
         vertices.push(Vertex { normal: lamp.normal, strength: lamp.radiance / lamp.density });
         // Directions are sampled in proportion to the cosine, so the outgoing strength has a factor π.
         let mut strength = PI * lamp.radiance / lamp.density;
@@ -132,27 +132,28 @@ impl Tracer<'_> {
             }
             let point = ray.at(hit.distance);
             strength *= material.colour;
-            self.place(places, point, time);
+            self.push_point(scene_points, point, time);
             vertices.push(Vertex { normal: hit.normal, strength: strength / PI });
             let direction = scattered(hit.normal, [self.random.random(), self.random.random()]);
             ray = Ray { origin: point, direction, time };
         }
     }
 
-    fn place(&mut self, places: &mut Places, point: Vec3, time: f32) {
+    /// Adds a point with a random pupil sample.
+    fn push_point(&mut self, scene_points: &mut ScenePoints, point: Vec3, time: f32) {
         let sample = [self.random.random(), self.random.random()];
-        places.push((point * self.units_per_mm).to_array(), sample, time);
+        scene_points.push((point * self.units_per_mm).to_array(), sample, time);
     }
 
     /// Adds a vertex's light, unless it is occluded.
-    fn count(&mut self, places: &Places, found: &Connections, i: usize, vertex: &Vertex) {
+    fn count(&mut self, scene_points: &ScenePoints, found: &Connections, i: usize, vertex: &Vertex) {
         let direction = Vec3::from_array(found.direction(i));
         let cosine = vertex.normal.dot(direction);
         if cosine <= 0.0 {
             return;
         }
-        let (point, front) = (Vec3::from_array(places.point(i)), Vec3::from_array(found.origin(i)));
-        let ray = Ray { origin: point / self.units_per_mm, direction, time: places.time(i) };
+        let (point, front) = (Vec3::from_array(scene_points.point(i)), Vec3::from_array(found.origin(i)));
+        let ray = Ray { origin: point / self.units_per_mm, direction, time: scene_points.time(i) };
         let distance = (front - point).length() / self.units_per_mm;
         if self.scene.nearest(&ray, START).is_some_and(|(hit, _)| hit.distance < distance) {
             return;
@@ -202,7 +203,8 @@ mod tests {
             render(|rays| camera.rays(rays), &scene, &settings(seed, 2048), &hidden).unwrap().0
         });
         let from_lamps = pictures(|seed| {
-            let joined = |places: &Places, found: &mut Connections| camera.connect(places, found);
+            let joined =
+                |scene_points: &ScenePoints, found: &mut Connections| camera.connect(scene_points, found);
             trace(joined, &scene, &settings(seed, 8192), [0.0, 1.0], &hidden).unwrap().0
         });
         // Largest contribution of one path from the camera that meets a lamp to a mean: for rare hits it is variance
@@ -246,7 +248,8 @@ mod tests {
             render(|rays| camera.rays(rays), &scene, &settings(seed, 512), &hidden).unwrap().0
         }));
         let from_lamps = noise(&pictures(|seed| {
-            let joined = |places: &Places, found: &mut Connections| camera.connect(places, found);
+            let joined =
+                |scene_points: &ScenePoints, found: &mut Connections| camera.connect(scene_points, found);
             trace(joined, &scene, &settings(seed, 16), [0.0, 1.0], &hidden).unwrap().0
         }));
         // Variance is inversely proportional to the number of samples.
@@ -260,7 +263,8 @@ mod tests {
         let (camera, scene) = (Linked::new(SIZE, 1080.0), night::scene());
         let picture = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let joined = |places: &Places, found: &mut Connections| camera.connect(places, found);
+            let joined =
+                |scene_points: &ScenePoints, found: &mut Connections| camera.connect(scene_points, found);
             pool.install(|| trace(joined, &scene, &settings(3, 4), [0.0, 1.0], &ProgressBar::hidden()))
                 .unwrap()
                 .0

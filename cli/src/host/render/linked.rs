@@ -1,6 +1,6 @@
 //! A camera of the library that the tests link, and statistics of its pictures.
 
-use crate::host::plugin::{Connections, Places, PluginError, connect, request_of};
+use crate::host::plugin::{Connections, PluginError, ScenePoints, connect, request_of};
 use crate::image::Picture;
 use realistic::ffi::*;
 use realistic_lab::render::Rays;
@@ -43,7 +43,7 @@ impl Linked {
     }
 
     /// Connects points to the camera.
-    pub fn connect(&self, places: &Places, found: &mut Connections) -> Result<(), PluginError> {
+    pub fn connect(&self, scene_points: &ScenePoints, found: &mut Connections) -> Result<(), PluginError> {
         unsafe extern "C" fn sample(
             camera: *const realistic_camera,
             n: usize,
@@ -55,7 +55,7 @@ impl Linked {
             unsafe { realistic_camera_sample_importance(camera, n, points, aimed, importance) as i32 }
         }
         // SAFETY: the camera is alive, and this library's.
-        assert_eq!(unsafe { connect(sample, self.0, places, found) }, 0);
+        assert_eq!(unsafe { connect(sample, self.0, scene_points, found) }, 0);
         Ok(())
     }
 }

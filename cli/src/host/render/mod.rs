@@ -1,8 +1,9 @@
 //! Renders a picture from a scene and a source of camera rays.
 
-mod bulbs;
+mod adaptive;
 mod dusk;
-mod gathered;
+mod emitters;
+mod irradiance_cache;
 pub mod lamplight;
 mod light;
 #[cfg(test)]
@@ -10,15 +11,14 @@ mod linked;
 mod renderer;
 mod shade;
 pub mod spectrum;
-mod spread;
 
 use clap::ValueEnum;
 
-pub use bulbs::Bulbs;
+pub use adaptive::{AdaptiveSampling, REACH};
 pub use dusk::Dusk;
+pub use emitters::EmitterPicture;
 pub use light::trace;
 pub use renderer::{Settings, noise, render};
-pub use spread::{REACH, Spread};
 
 /// Start of light paths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

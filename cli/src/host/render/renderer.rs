@@ -1,9 +1,9 @@
 //! Rendering: tiles over all cores, and every pixel the mean over its samples.
 
+use super::adaptive::{self, AdaptiveSampling};
 use super::dusk::Dusk;
 use super::lamplight::Lights;
 use super::shade::{ShadingSample, radiance};
-use super::spread::{self, Spread};
 use crate::host::plugin::PluginError;
 use crate::host::scene::shapes::Ray;
 use crate::host::scene::{Light, Scene};
@@ -34,12 +34,12 @@ pub struct Settings<'a> {
     pub seed: u64,
     /// Millimetres of the scene per world unit of the camera.
     pub mm_per_unit: f32,
-    /// Indices of the lamps and windows that rays from the camera see as dark, at dusk ([`super::Bulbs`]).
+    /// Indices of the lamps and windows that rays from the camera see as dark, at dusk ([`super::EmitterPicture`]).
     pub joined: &'a [usize],
     /// Criterion by which pixels get more or fewer samples than `spp` at dusk, with surfaces' light from a table;
-    /// `None` for plain paths with equally many samples per pixel. Pixels nearer than [`spread::REACH`] to an edge of
+    /// `None` for plain paths with equally many samples per pixel. Pixels nearer than [`adaptive::REACH`] to an edge of
     /// the part, where the picture goes on, differ from the whole picture's.
-    pub spread: Option<Spread<'a>>,
+    pub adaptive: Option<AdaptiveSampling<'a>>,
     /// One in this number of the picture's tiles is rendered, with [`MARGIN`] pixels around it; the rest stays black.
     pub stride: u32,
 }
@@ -47,12 +47,12 @@ pub struct Settings<'a> {
 impl Settings<'_> {
     /// Returns settings of a whole picture by plain paths, of a scene in the camera's world units.
     pub fn plain(size: [u32; 2], spp: u32, seed: u64) -> Self {
-        Self { size, corner: [0; 2], spp, seed, mm_per_unit: 1.0, joined: &[], spread: None, stride: 1 }
+        Self { size, corner: [0; 2], spp, seed, mm_per_unit: 1.0, joined: &[], adaptive: None, stride: 1 }
     }
 }
 
 /// Pixels around a tile that contribute to it: those that share samples, and one for the filter.
-const MARGIN: u32 = spread::REACH + 1;
+const MARGIN: u32 = adaptive::REACH + 1;
 
 /// Renders the scene on the current thread pool.
 ///
@@ -69,59 +69,59 @@ pub fn render(
     let end = [0, 1].map(|axis| settings.corner[axis] + settings.size[axis]);
     let across = end[0].div_ceil(TILE) - first[0];
     let tiles = across * (end[1].div_ceil(TILE) - first[1]);
-    let light = Lit::of(scene, settings);
+    let light = Lighting::of(scene, settings);
     progress.set_length(u64::from(tiles));
     let done = (0..tiles).into_par_iter().filter_map(|index| {
-        let place = [index % across, index / across];
-        let block = [0, 1].map(|axis| (first[axis] + place[axis]) * TILE);
-        let [low, high] = wanted(place, [across, tiles / across], settings.stride)?;
+        let tile = [index % across, index / across];
+        let block = [0, 1].map(|axis| (first[axis] + tile[axis]) * TILE);
+        let [low, high] = rendered_part(tile, [across, tiles / across], settings.stride)?;
         let corner = [0, 1].map(|axis| (block[axis] + low[axis]).max(settings.corner[axis]));
         let size = [0, 1].map(|axis| (block[axis] + high[axis]).min(end[axis]).checked_sub(corner[axis]));
         Some((block, corner, [size[0].filter(|side| *side > 0)?, size[1].filter(|side| *side > 0)?]))
     });
     let done = done.map(|(block, corner, size)| {
-        let mut view = View::new(scene, &light, settings);
+        let mut view = SceneSampler::new(scene, &light, settings);
         let window = Window { corner, size };
-        let (pixels, blurs, tally) = match &settings.spread {
+        let (pixels, blurs, tally) = match &settings.adaptive {
             None => {
                 let (pixels, tally) = render::render(&camera, &mut view, window, settings.spp as usize)?;
                 (pixels, Vec::new(), tally)
             }
-            Some(spread) => {
+            Some(adaptive) => {
                 let block = Window { corner: block, size: [TILE; 2] };
-                spread.render(&camera, &mut view, window, block, settings.spp)?
+                adaptive.render(&camera, &mut view, window, block, settings.spp)?
             }
         };
         progress.inc(1);
         let pixels = pixels.into_iter().map(|pixel| pixel.map(|value| value as f32)).collect();
-        let place = [0, 1].map(|axis| corner[axis] - settings.corner[axis]);
-        Ok((place, Picture { size, pixels }, blurs, tally))
+        let offset = [0, 1].map(|axis| corner[axis] - settings.corner[axis]);
+        Ok((offset, Picture { size, pixels }, blurs, tally))
     });
     let mut picture = Picture::plain(settings.size, [0.0; 3]);
     let mut all_blurs = vec![0.0; picture.pixels.len()];
     let mut total = Tally::default();
-    for (place, part, blurs, tally) in done.collect::<Result<Vec<_>, PluginError>>()? {
-        picture.paste(&part, place);
-        for (row, blurs) in (place[1]..).zip(blurs.chunks_exact(part.size[0] as usize)) {
-            let start = (row * settings.size[0] + place[0]) as usize;
+    for (offset, part, blurs, tally) in done.collect::<Result<Vec<_>, PluginError>>()? {
+        picture.paste(&part, offset);
+        for (row, blurs) in (offset[1]..).zip(blurs.chunks_exact(part.size[0] as usize)) {
+            let start = (row * settings.size[0] + offset[0]) as usize;
             all_blurs[start..start + blurs.len()].copy_from_slice(blurs);
         }
         total.add(&tally);
     }
-    if let Some(spread) = &settings.spread {
-        picture.add(spread.beside);
-        picture = spread::shared(&picture, &all_blurs);
+    if let Some(adaptive) = &settings.adaptive {
+        picture.add(adaptive.beside);
+        picture = adaptive::shared(&picture, &all_blurs);
     }
     Ok((picture, total))
 }
 
 /// Returns the part of a tile, from its top left pixel, that is rendered if one in `stride` tiles is: such a tile, and
 /// the margin around one.
-fn wanted(place: [u32; 2], tiles: [u32; 2], stride: u32) -> Option<[[u32; 2]; 2]> {
-    let around = |axis: usize| place[axis].saturating_sub(1)..(place[axis] + 2).min(tiles[axis]);
+fn rendered_part(tile: [u32; 2], tiles: [u32; 2], stride: u32) -> Option<[[u32; 2]; 2]> {
+    let around = |axis: usize| tile[axis].saturating_sub(1)..(tile[axis] + 2).min(tiles[axis]);
     let others = around(1).flat_map(|y| around(0).map(move |x| [x, y]));
     let taken = others.filter(|[x, y]| (y * tiles[0] + x).is_multiple_of(stride)).map(|other| {
-        [0, 1].map(|axis| match other[axis].cmp(&place[axis]) {
+        [0, 1].map(|axis| match other[axis].cmp(&tile[axis]) {
             Ordering::Less => [0, MARGIN],
             Ordering::Equal => [0, TILE],
             Ordering::Greater => [TILE - MARGIN, TILE],
@@ -156,23 +156,23 @@ pub fn noise(one: &Picture, other: &Picture, stride: u32) -> [f64; 2] {
 }
 
 /// The lighting, which determines the method for the light along a ray.
-enum Lit<'a> {
+enum Lighting<'a> {
     Day,
     Lamps(Lights),
     Dusk(Box<Dusk<'a>>),
 }
 
-impl<'a> Lit<'a> {
+impl<'a> Lighting<'a> {
     fn of(scene: &'a Scene, settings: &Settings<'_>) -> Self {
         match scene.light {
             Light::Day => Self::Day,
             Light::Lamps => Self::Lamps(Lights::of(scene)),
             Light::Dusk => {
                 let dusk = Dusk::of(scene, settings.joined);
-                Self::Dusk(Box::new(match settings.spread {
-                    Some(Spread { whole: [width, height], .. }) => {
+                Self::Dusk(Box::new(match settings.adaptive {
+                    Some(AdaptiveSampling { whole: [width, height], .. }) => {
                         let samples = u64::from(width) * u64::from(height) * u64::from(settings.spp);
-                        dusk.gathering(samples, settings.seed)
+                        dusk.with_cache(samples, settings.seed)
                     }
                     None => dusk,
                 }))
@@ -183,9 +183,9 @@ impl<'a> Lit<'a> {
 
 /// The scene as one tile samples it. Each pair of coordinates is well spread over the pixel, the lens, the sun or the
 /// facets, and independent of the others.
-struct View<'a> {
+struct SceneSampler<'a> {
     scene: &'a Scene,
-    light: &'a Lit<'a>,
+    light: &'a Lighting<'a>,
     mm_per_unit: f32,
     seed: u64,
     /// Samples of a pixel taken before.
@@ -197,8 +197,8 @@ struct View<'a> {
     shading: Vec<ShadingSample>,
 }
 
-impl<'a> View<'a> {
-    fn new(scene: &'a Scene, light: &'a Lit<'a>, settings: &Settings<'_>) -> Self {
+impl<'a> SceneSampler<'a> {
+    fn new(scene: &'a Scene, light: &'a Lighting<'a>, settings: &Settings<'_>) -> Self {
         Self {
             scene,
             light,
@@ -226,7 +226,7 @@ impl<'a> View<'a> {
     }
 }
 
-impl Integrand<3> for View<'_> {
+impl Integrand<3> for SceneSampler<'_> {
     fn place(&mut self, [x, y]: [u32; 2], first: usize, samples: &mut [realistic_sample]) {
         let mut random = self.random([x, y]);
         // The samples continue those taken before; the strata of times and fates are new.
@@ -258,11 +258,11 @@ impl Integrand<3> for View<'_> {
     }
 
     fn radiance(&self, number: usize, ray: &realistic_ray) -> [f32; 3] {
-        spread::View::seen(self, number, ray).0
+        adaptive::AdaptiveIntegrand::seen(self, number, ray).0
     }
 }
 
-impl spread::View for View<'_> {
+impl adaptive::AdaptiveIntegrand for SceneSampler<'_> {
     fn follow(&mut self, before: usize) {
         self.before = before;
     }
@@ -272,9 +272,9 @@ impl spread::View for View<'_> {
         let sample = self.shading[number];
         // Only scenes at dusk need the distance, for the blur.
         let (found, distance) = match self.light {
-            Lit::Day => (radiance(self.scene, &ray, sample), f32::INFINITY),
-            Lit::Lamps(lights) => (lights.radiance(self.scene, &ray, sample), f32::INFINITY),
-            Lit::Dusk(dusk) => dusk.radiance(&ray, sample),
+            Lighting::Day => (radiance(self.scene, &ray, sample), f32::INFINITY),
+            Lighting::Lamps(lights) => (lights.radiance(self.scene, &ray, sample), f32::INFINITY),
+            Lighting::Dusk(dusk) => dusk.radiance(&ray, sample),
         };
         (found.to_array(), distance / self.mm_per_unit)
     }
@@ -392,7 +392,7 @@ mod tests {
         let scene = props::scene();
         let numbers = |seed: u64, pixel: [u32; 2]| {
             let settings = Settings::plain([1; 2], 1, seed);
-            let mut random = View::new(&scene, &Lit::Day, &settings).random(pixel);
+            let mut random = SceneSampler::new(&scene, &Lighting::Day, &settings).random(pixel);
             [0; 5].map(|_| random.next_u32())
         };
         let mut all: Vec<u32> = (0..4)

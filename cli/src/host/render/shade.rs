@@ -15,7 +15,7 @@ pub struct ShadingSample {
     pub facet: [f32; 2],
     /// Decides whether a path goes on.
     pub fate: f32,
-    /// Chooses a place beside a point, whose gathered light the point uses.
+    /// Chooses a position beside a point, whose gathered light the point uses.
     pub aside: [f32; 2],
 }
 
@@ -122,8 +122,8 @@ impl Shader<'_> {
 }
 
 impl ShadingSample {
-    /// Returns samples for the next bounce, as evenly spread: a step of the plastic number's
-    /// lattice.
+    /// Returns the samples for the next bounce: the facet's moves by a step of the plastic number's lattice, the others
+    /// stay.
     pub fn next(self) -> Self {
         let step = |[u, v]: [f32; 2]| [(u + 0.754_878).fract(), (v + 0.569_840).fract()];
         Self { facet: step(self.facet), ..self }

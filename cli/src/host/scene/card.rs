@@ -56,9 +56,9 @@ mod tests {
         assert_eq!([at(45.0, 31.5), at(30.0, 37.0)], [1; 2]);
         assert!(dark(45.0, 31.5) && dark(30.0, 37.0) && !dark(25.0, 31.5));
         let ink = |columns: std::ops::Range<u8>, rows: std::ops::Range<u8>| {
-            let places =
+            let samples =
                 rows.flat_map(|y| columns.clone().map(move |x| [x, y].map(|at| f32::from(at) / 4.0)));
-            places.filter(|[x, y]| dark(*x, *y)).count()
+            samples.filter(|[x, y]| dark(*x, *y)).count()
         };
         // The title has a stem at the left and a foot at the bottom.
         assert!(ink(148..160, 18..48) > 10 && ink(163..176, 18..48) == 0 && ink(161..172, 48..56) > 4);

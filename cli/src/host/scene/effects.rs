@@ -5,7 +5,7 @@ use clap::ValueEnum;
 use std::fmt::{self, Display};
 use std::str::FromStr;
 
-/// One of them.
+/// An effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Effect {
     /// Reflections spread by rough surfaces.

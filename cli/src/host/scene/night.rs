@@ -40,18 +40,18 @@ const COLOURS: [[f32; 3]; 5] =
 
 /// Makes two rows of lamps that lead away from the camera.
 fn street() -> Lamps {
-    let place = |index: u8| {
+    let placed_lamp = |index: u8| {
         let (side, step) = (f32::from(index % 2) * 2.0 - 1.0, f32::from(index / 2));
         let z = 3000.0 + 900.0 * step;
         let colour = Vec3::from(COLOURS[usize::from(index % 2)]) * 900.0;
         lamp(Vec3::new(side * 1100.0 - 0.05 * z, 750.0, z), 4.0, colour.to_array())
     };
-    (0..20).map(place).collect()
+    (0..20).map(placed_lamp).collect()
 }
 
 /// Makes the lights of a town, a few millimetres large like the street's.
 fn town() -> Lamps {
-    let place = |index: u8| {
+    let placed_lamp = |index: u8| {
         let step = f32::from(index);
         let (a, b) = ((step * 0.618_034).fract(), (step * 0.754_878).fract());
         let z = 9000.0 + 9000.0 * b;
@@ -62,7 +62,7 @@ fn town() -> Lamps {
             colour.to_array(),
         )
     };
-    (0..40).map(place).collect()
+    (0..40).map(placed_lamp).collect()
 }
 
 fn lamp(centre: Vec3, radius: f32, colour: [f32; 3]) -> Ball {

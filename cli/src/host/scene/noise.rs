@@ -1,4 +1,4 @@
-//! Patterns by formula: pseudo-random numbers that depend on the place.
+//! Patterns by formula: pseudo-random numbers that depend on the position.
 
 use glam::Vec3;
 
@@ -34,15 +34,15 @@ mod tests {
 
     #[test]
     fn values_are_spread_over_their_range_and_change_smoothly() {
-        let place = |index: u16| {
+        let point = |index: u16| {
             Vec3::new(f32::from(index) * 0.61, f32::from(index) * 0.27 - 90.0, f32::from(index) * 0.113)
         };
-        let values: Vec<f32> = (0..4000).map(|index| value(place(index))).collect();
+        let values: Vec<f32> = (0..4000).map(|index| value(point(index))).collect();
         let mean = values.iter().sum::<f32>() / 4000.0;
         assert!((mean - 0.5).abs() < 0.02 && values.iter().all(|value| (0.0..1.0).contains(value)), "{mean}");
         assert!(values.iter().any(|value| *value < 0.1) && values.iter().any(|value| *value > 0.9));
         let steepest = (0..4000)
-            .map(|index| (value(place(index) + 0.001) - value(place(index))).abs())
+            .map(|index| (value(point(index) + 0.001) - value(point(index))).abs())
             .fold(0.0, f32::max);
         assert!(steepest < 0.006, "{steepest}");
     }

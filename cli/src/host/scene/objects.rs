@@ -106,7 +106,7 @@ pub struct Lamps {
 /// Largest rounding error of a point of a solid's surface, mm.
 const ROUNDING: f32 = 0.1;
 
-/// A rectangle of a solid's surface that emits light where its look is a lamp.
+/// A rectangle of a solid's surface that emits light where its material is a lamp.
 #[derive(Clone, Copy, Debug)]
 pub struct Pane {
     /// A corner.
@@ -116,7 +116,7 @@ pub struct Pane {
     /// The surface's normal.
     pub normal: Vec3,
     /// Material of the solid as a function of the point and the normal.
-    pub look: fn(Vec3, Vec3) -> Material,
+    pub material_at: fn(Vec3, Vec3) -> Material,
 }
 
 impl Pane {
@@ -148,7 +148,7 @@ impl Pane {
 
     /// Returns the radiance at a point of the pane.
     pub fn radiance(&self, point: Vec3) -> Vec3 {
-        let material = (self.look)(point, self.normal);
+        let material = (self.material_at)(point, self.normal);
         if material.finish == Finish::Lamp { material.colour } else { Vec3::ZERO }
     }
 }
@@ -171,7 +171,7 @@ impl Board {
         let Some(print) = &self.print else {
             return self.material;
         };
-        let at = self.panel.place(point) / self.panel.size * Vec2::from(GRID);
+        let at = self.panel.coordinates(point) / self.panel.size * Vec2::from(GRID);
         Material { colour: print.colour(at), ..self.material }
     }
 }

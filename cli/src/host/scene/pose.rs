@@ -7,7 +7,7 @@ pub type Pose = [f32; 16];
 /// The pose at the scene's origin, level, looking along +z.
 pub const LEVEL: Pose = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
-/// Returns the pose at a place, mm, tilted downward by an angle in degrees.
+/// Returns the pose at a position, mm, tilted downward by an angle in degrees.
 pub fn tilted(degrees: f32, [x, y, z]: [f32; 3]) -> Pose {
     let (sine, cosine) = degrees.to_radians().sin_cos();
     [1.0, 0.0, 0.0, x, 0.0, cosine, -sine, y, 0.0, sine, cosine, z, 0.0, 0.0, 0.0, 1.0]
@@ -29,10 +29,10 @@ mod tests {
     #[test]
     fn a_camera_moves_back_along_its_own_axis() {
         let pose = moved_back(&tilted(30.0, [1.0, 2.0, 3.0]), 10.0);
-        let place = [pose[3], pose[7], pose[11]];
+        let position = [pose[3], pose[7], pose[11]];
         // The camera looks down by 30 degrees, and so rises as it moves back.
         let expected = [1.0, 2.0 + 5.0, 3.0 - 75.0_f32.sqrt()];
-        assert!(place.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-5), "{place:?}");
+        assert!(position.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-5), "{position:?}");
         assert_eq!(moved_back(&LEVEL, 0.0), LEVEL);
     }
 }

@@ -19,17 +19,17 @@ impl Print {
         Self { texture: Picture::from(&page.pixels(Self::TEXELS).unwrap_or(empty)) }
     }
 
-    /// Returns the colour at a place on the page, x to the right and y down from its top left corner:
-    /// bilinear, and beyond the edges that of the edge.
+    /// Returns the colour at a position on the page, x to the right and y down from its top left corner: bilinear, and
+    /// beyond the page that of the nearest edge.
     pub fn colour(&self, at: Vec2) -> Vec3 {
         let last = Vec2::from(self.texture.size.map(|side| (side - 1) as f32));
-        let place = (at * Self::TEXELS - 0.5).clamp(Vec2::ZERO, last);
-        let (low, high) = (place.floor(), (place.floor() + 1.0).min(last));
+        let position = (at * Self::TEXELS - 0.5).clamp(Vec2::ZERO, last);
+        let (low, high) = (position.floor(), (position.floor() + 1.0).min(last));
         let texel = |x: f32, y: f32| {
             let index = y as usize * self.texture.size[0] as usize + x as usize;
             Vec3::from_array(self.texture.pixels[index])
         };
-        let part = place - low;
+        let part = position - low;
         let [above, below] = [low.y, high.y].map(|y| texel(low.x, y).lerp(texel(high.x, y), part.x));
         above.lerp(below, part.y)
     }

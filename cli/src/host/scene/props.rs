@@ -140,7 +140,7 @@ fn balls() -> Vec<Ball> {
     .into()
 }
 
-/// Makes lamps on a line that hangs between a low and a high place in every span.
+/// Makes lamps on a line that hangs between a low and a high point in every span.
 fn string(z: f32, radius: f32, pitch: f32, [low, high]: [f32; 2]) -> Lamps {
     const WARM: [[f32; 3]; 3] = [[13.0, 7.4, 2.6], [13.0, 4.2, 1.5], [11.0, 8.8, 5.0]];
     let count = (3.0 * SPAN / pitch) as i32;
@@ -157,7 +157,7 @@ fn string(z: f32, radius: f32, pitch: f32, [low, high]: [f32; 2]) -> Lamps {
 /// Makes the lights of a town before the hills, close together on the axis.
 fn town() -> Lamps {
     const TINTS: [[f32; 3]; 4] = [[7.0, 4.4, 1.6], [2.2, 4.8, 7.0], [7.5, 2.0, 1.2], [6.5, 5.9, 4.4]];
-    let place = |index: u8| {
+    let placed_lamp = |index: u8| {
         // Steps of the golden and the plastic number give no visible pattern.
         let step = f32::from(index);
         let (a, b) = ((step * 0.618_034).fract(), (step * 0.754_878).fract());
@@ -167,7 +167,7 @@ fn town() -> Lamps {
         let y = (0.003 + 0.03 * (a * 11.0 + b).fract()) * z;
         lamp(Vec3::new(x, y, z), 75.0, TINTS[usize::from(index % 4)])
     };
-    (0..64).map(place).collect()
+    (0..64).map(placed_lamp).collect()
 }
 
 fn lamp(centre: Vec3, radius: f32, colour: [f32; 3]) -> Ball {
@@ -180,7 +180,7 @@ mod tests {
     use super::*;
     use glam::Vec2;
 
-    fn looked_at(scene: &Scene, x: f32, y: f32, z: f32) -> Vec3 {
+    fn visible_colour(scene: &Scene, x: f32, y: f32, z: f32) -> Vec3 {
         let target = Vec3::new(x, y, z);
         let ray = Ray { origin: Vec3::ZERO, direction: target.normalize(), time: MID_SHUTTER };
         let (hit, material) = scene.nearest(&ray, 0.0).unwrap();
@@ -198,7 +198,7 @@ mod tests {
         for row in 0..rows {
             for column in 0..columns {
                 let (right, down) = (f32::from(column) + 0.3, f32::from(row) + 0.35);
-                let seen = looked_at(&scene, corner.x + right * unit, corner.y - down * unit, corner.z);
+                let seen = visible_colour(&scene, corner.x + right * unit, corner.y - down * unit, corner.z);
                 let printed = print.colour(Vec2::new(right, down));
                 assert!((seen - printed).length() < 0.01, "column {column}, row {row}: {seen}, {printed}");
             }

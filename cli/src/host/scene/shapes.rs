@@ -13,7 +13,7 @@ pub struct Ray {
     pub time: f32,
 }
 
-/// Time at which a moving shape is at its described place: the middle of the default shutter.
+/// Time at which a moving shape is at its described position: the middle of the default shutter.
 pub const MID_SHUTTER: f32 = 0.5;
 
 impl Ray {
@@ -113,15 +113,15 @@ impl Shape for Panel {
         if !(from..to).contains(&distance) {
             return None;
         }
-        let place = self.place(ray.at(distance));
-        let inside = place.cmpge(Vec2::ZERO).all() && place.cmplt(self.size).all();
+        let coordinates = self.coordinates(ray.at(distance));
+        let inside = coordinates.cmpge(Vec2::ZERO).all() && coordinates.cmplt(self.size).all();
         inside.then_some(Hit { distance, normal: -Vec3::Z })
     }
 }
 
 impl Panel {
-    /// Returns a point's place on the panel: to the right and down from the corner.
-    pub fn place(&self, point: Vec3) -> Vec2 {
+    /// Returns a point's coordinates on the panel: to the right and down from the corner.
+    pub fn coordinates(&self, point: Vec3) -> Vec2 {
         let offset = point - self.corner;
         Vec2::new(offset.x, -offset.y)
     }

@@ -11,7 +11,7 @@ const DEPTH: usize = 64;
 
 /// Material of a solid as a function of the point and the normal of its surface.
 #[derive(Clone, Copy)]
-pub enum Look {
+pub enum Appearance {
     /// The same material everywhere.
     Plain(Material),
     /// A material by a formula.
@@ -206,7 +206,7 @@ impl Form {
 
 /// A box of the hierarchy: its corners, its shapes, and the index of the box of their second half; 0 for a leaf. The
 /// first half follows its parent.
-struct Node {
+struct BvhNode {
     low: Vec3A,
     high: Vec3A,
     shapes: [u32; 2],
@@ -217,19 +217,19 @@ struct Node {
 #[derive(Default)]
 pub struct Solids {
     forms: Vec<Form>,
-    looks: Vec<Look>,
-    nodes: Vec<Node>,
+    appearances: Vec<Appearance>,
+    nodes: Vec<BvhNode>,
 }
 
-impl FromIterator<(Form, Look)> for Solids {
-    fn from_iter<I: IntoIterator<Item = (Form, Look)>>(solids: I) -> Self {
-        let mut solids: Vec<(Form, Look)> = solids.into_iter().collect();
+impl FromIterator<(Form, Appearance)> for Solids {
+    fn from_iter<I: IntoIterator<Item = (Form, Appearance)>>(solids: I) -> Self {
+        let mut solids: Vec<(Form, Appearance)> = solids.into_iter().collect();
         let mut nodes = Vec::new();
         if !solids.is_empty() {
             build(&mut solids, 0, &mut nodes);
         }
-        let (forms, looks) = solids.into_iter().unzip();
-        Self { forms, looks, nodes }
+        let (forms, appearances) = solids.into_iter().unzip();
+        Self { forms, appearances, nodes }
     }
 }
 
@@ -242,11 +242,11 @@ fn around(boxes: impl Iterator<Item = [Vec3; 2]>) -> [Vec3; 2] {
 /// order of their centres along the best axis: it minimises the sum over both parts of the box's area times the number
 /// of solids (J. D. MacDonald and K. S. Booth, "Heuristics for Ray Tracing Using Space Subdivision", *The Visual
 /// Computer* 6(3), 1990).
-fn build(solids: &mut [(Form, Look)], first: u32, nodes: &mut Vec<Node>) {
+fn build(solids: &mut [(Form, Appearance)], first: u32, nodes: &mut Vec<BvhNode>) {
     let [low, high] = around(solids.iter().map(|solid| solid.0.bounds()));
     let own = nodes.len();
     let shapes = [first, first + solids.len() as u32];
-    nodes.push(Node { low: low.into(), high: high.into(), shapes, second: 0 });
+    nodes.push(BvhNode { low: low.into(), high: high.into(), shapes, second: 0 });
     if solids.len() <= LEAF {
         return;
     }
@@ -254,14 +254,14 @@ fn build(solids: &mut [(Form, Look)], first: u32, nodes: &mut Vec<Node>) {
         let side = high - low;
         side.x * side.y + side.y * side.z + side.z * side.x
     };
-    let sort = |solids: &mut [(Form, Look)], axis: usize| {
-        let centre = |solid: &(Form, Look)| solid.0.bounds().into_iter().sum::<Vec3>()[axis];
+    let sort = |solids: &mut [(Form, Appearance)], axis: usize| {
+        let centre = |solid: &(Form, Appearance)| solid.0.bounds().into_iter().sum::<Vec3>()[axis];
         solids.sort_by(|a, b| centre(a).total_cmp(&centre(b)));
     };
     let mut best = (f32::INFINITY, 0, 0);
     for axis in 0..3 {
         sort(solids, axis);
-        let grow = |sum: &mut [Vec3; 2], solid: &(Form, Look)| {
+        let grow = |sum: &mut [Vec3; 2], solid: &(Form, Appearance)| {
             *sum = around([*sum, solid.0.bounds()].into_iter());
             Some(area(*sum))
         };
@@ -285,16 +285,16 @@ fn build(solids: &mut [(Form, Look)], first: u32, nodes: &mut Vec<Node>) {
 }
 
 /// A ray prepared for box tests.
-struct Line {
+struct BoxTestRay {
     origin: Vec3A,
     inverse: Vec3A,
     from: f32,
 }
 
-impl Line {
+impl BoxTestRay {
     /// Returns the distance at which the ray enters a box before `to`; infinity if it does not.
     #[inline(always)]
-    fn enters(&self, node: &Node, to: f32) -> f32 {
+    fn enters(&self, node: &BvhNode, to: f32) -> f32 {
         let first = (node.low - self.origin) * self.inverse;
         let second = (node.high - self.origin) * self.inverse;
         let near = first.min(second).max_element().max(self.from);
@@ -312,9 +312,9 @@ impl Solids {
             hit.distance
         });
         best.map(|(hit, index)| {
-            let material = match self.looks[index] {
-                Look::Plain(material) => material,
-                Look::Painted(paint) => paint(ray.at(hit.distance), hit.normal),
+            let material = match self.appearances[index] {
+                Appearance::Plain(material) => material,
+                Appearance::Painted(paint) => paint(ray.at(hit.distance), hit.normal),
             };
             (hit, material)
         })
@@ -333,7 +333,8 @@ impl Solids {
     /// Visits the boxes along a ray; `found` receives each hit and returns the distance up to which the search goes on.
     #[inline(always)]
     fn descend(&self, ray: &Ray, from: f32, mut to: f32, mut found: impl FnMut(Hit, usize) -> f32) {
-        let line = Line { origin: ray.origin.into(), inverse: Vec3A::from(ray.direction).recip(), from };
+        let line =
+            BoxTestRay { origin: ray.origin.into(), inverse: Vec3A::from(ray.direction).recip(), from };
         let mut waiting = [(0_u32, 0.0_f32); DEPTH];
         let mut count = 0;
         let mut next = match self.nodes.first() {
@@ -425,8 +426,8 @@ mod tests {
     #[test]
     fn the_hierarchy_finds_what_trying_every_shape_finds() {
         let forms = forms();
-        let look = Look::Plain(Material::new(Vec3::ONE, Finish::Matte));
-        let solids: Solids = forms.iter().map(|form| (*form, look)).collect();
+        let appearance = Appearance::Plain(Material::new(Vec3::ONE, Finish::Matte));
+        let solids: Solids = forms.iter().map(|form| (*form, appearance)).collect();
         let mut met = 0;
         for index in 0..4000 {
             let ray = ray(1.5 * anywhere(2 * index), anywhere(2 * index + 1));
@@ -453,10 +454,10 @@ mod tests {
             let mut met = 0;
             for index in 0..40 {
                 let from = centre + anywhere(index).normalize() * size;
-                let look = ray(from, centre + 0.05 * size * anywhere(index + 7).normalize());
-                let (side, up) = look.direction.any_orthonormal_pair();
+                let view_ray = ray(from, centre + 0.05 * size * anywhere(index + 7).normalize());
+                let (side, up) = view_ray.direction.any_orthonormal_pair();
                 let meet = |aside: Vec3| {
-                    let ray = Ray { origin: look.origin + aside, ..look };
+                    let ray = Ray { origin: view_ray.origin + aside, ..view_ray };
                     form.intersect(&ray, 0.0, f32::INFINITY).map(|hit| (ray.at(hit.distance), hit.normal))
                 };
                 let (Some((point, normal)), Some((beside, other)), Some((above, third))) =
@@ -466,13 +467,13 @@ mod tests {
                 };
                 assert!((normal.length() - 1.0).abs() < 1e-4, "{form:?}");
                 // A turned part has no end faces, and its inside shows through the ends.
-                if matches!(form, Form::Turned(_)) && normal.dot(look.direction) > 0.0 {
+                if matches!(form, Form::Turned(_)) && normal.dot(view_ray.direction) > 0.0 {
                     continue;
                 }
-                assert!(normal.dot(look.direction) < 0.0, "{form:?}");
+                assert!(normal.dot(view_ray.direction) < 0.0, "{form:?}");
                 let tangent = (beside - point).cross(above - point).normalize();
                 // An edge lies between the points, or the view is grazing.
-                if normal.dot(other).min(normal.dot(third)) < 0.99 || normal.dot(look.direction) > -0.3 {
+                if normal.dot(other).min(normal.dot(third)) < 0.99 || normal.dot(view_ray.direction) > -0.3 {
                     continue;
                 }
                 assert!(tangent.dot(normal).abs() > 0.995, "{form:?}: {tangent} {normal}");

@@ -62,11 +62,11 @@ impl Scene {
     pub fn with(mut self, effects: &Effects) -> Self {
         let balls = self.balls.iter_mut().map(|ball| &mut ball.material);
         for material in balls.chain(self.boards.iter_mut().map(|board| &mut board.material)) {
-            let kept = match material.finish {
+            let is_rough = match material.finish {
                 Finish::Glass | Finish::Sheet => effects.has(Effect::Translucency),
                 _ => effects.has(Effect::Gloss),
             };
-            if !kept {
+            if !is_rough {
                 material.roughness = 0.0;
             }
         }

@@ -101,14 +101,14 @@ impl Autofocus<'_> {
         let size = [0, 1].map(|axis| end[axis] - corner[axis]);
         let spp = (RAYS / (size[0] * size[1])).clamp(2, 64);
         let trial = Trial { plugin: self.plugin, camera };
-        let look = |seed: u64| {
+        let render_trial = |seed: u64| {
             let mm_per_unit = self.mm_per_unit();
             let settings = Settings { corner, mm_per_unit, ..Settings::plain(size, spp, seed) };
             let render = || render(|rays| trial.rays(rays), self.scene, &settings, &ProgressBar::hidden());
             let (picture, _) = self.pool.install(render)?;
             Ok::<_, PluginError>(brightness(&picture))
         };
-        let (one, two) = (look(1)?, look(2)?);
+        let (one, two) = (render_trial(1)?, render_trial(2)?);
         let mean = one.iter().chain(&two).sum::<f64>() / (2 * one.len()) as f64;
         let steps = |values: &[f64]| {
             let rows = values.chunks_exact(size[0] as usize);

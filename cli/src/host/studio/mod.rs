@@ -6,5 +6,5 @@ mod session;
 mod slides;
 
 pub use autofocus::Method;
-pub use session::{Options, Order, Shot, Studio, stopped_down, whole_only};
+pub use session::{Options, Shot, ShotOptions, Studio, stopped_down, whole_only};
 pub use slides::Slide;

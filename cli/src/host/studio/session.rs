@@ -6,13 +6,14 @@ use super::focus::{self, AxialRays};
 use crate::arguments::{CameraChoice, finite, host, size, size_film, whole};
 use crate::console;
 use crate::failure::Failure;
-use crate::host::plugin::{self, Camera, Connections, Places, Plugin};
+use crate::host::plugin::{self, Camera, Connections, Plugin, ScenePoints};
 use crate::host::render::{
-    Bulbs, Dusk, Integrator, REACH, Settings, Spread, lamplight, noise, render, spectrum, trace,
+    AdaptiveSampling, Dusk, EmitterPicture, Integrator, REACH, Settings, lamplight, noise, render, spectrum,
+    trace,
 };
 use crate::host::scene::effects::{Effect, Effects};
 use crate::host::scene::{Light, Scene};
-use crate::image::{Curve, Filter, Picture, Tone, check_room};
+use crate::image::{Curve, Filter, Picture, Tone, check_memory};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::ThreadPool;
 use realistic_base::message::{as_given, short};
@@ -32,7 +33,7 @@ pub struct Options {
     pub size: [u32; 2],
     /// Samples per pixel [default: 48; of the test card 128]
     ///
-    /// At dusk this is a scale: a pixel takes 0.5 to 0.7 times as many on average, more where their noise shows.
+    /// This is a scale at dusk: a pixel takes 0.5 to 0.7 times as many on average, and more where their noise shows.
     #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = whole(1_u32, 16_384))]
     pub spp: Option<u32>,
     /// Threads [default: one per core]
@@ -68,14 +69,14 @@ pub struct Studio {
     pub size: [u32; 2],
     pool: ThreadPool,
     progress: ProgressBar,
-    told: Mutex<Vec<String>>,
+    messages: Mutex<Vec<String>>,
     exposure: f32,
     seed: u64,
 }
 
 /// The settings of one picture.
 #[derive(Clone, Copy, Debug)]
-pub struct Order {
+pub struct ShotOptions {
     /// Samples per pixel.
     pub spp: u32,
     /// Wavelengths, each with its own samples, that make the picture; `None` for the lens's own alone.
@@ -90,7 +91,7 @@ pub struct Order {
     pub probe: Option<u64>,
 }
 
-impl Order {
+impl ShotOptions {
     /// Makes settings of a whole picture by paths from the camera, with `spp` samples per pixel.
     pub fn plain(spp: u32) -> Self {
         let (integrator, filter) = (Integrator::Path, Filter::Box);
@@ -126,7 +127,7 @@ impl Studio {
     /// Bad parameters, or no plugin.
     pub fn open(camera: &CameraChoice, options: &Options) -> Result<Self, Failure> {
         let mut parameters = camera.parameters()?;
-        let is_dispersive = look_at_lens(&mut parameters)?;
+        let is_dispersive = examine_lens(&mut parameters)?;
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(options.threads.map_or(0, usize::from))
             .build()
@@ -138,7 +139,7 @@ impl Studio {
             size: options.size,
             pool,
             progress: progress_bar(),
-            told: Mutex::default(),
+            messages: Mutex::default(),
             exposure: options.exposure,
             seed: options.seed,
         })
@@ -154,13 +155,13 @@ impl Studio {
         self.once(message, console::note);
     }
 
-    fn once(&self, message: &str, tell: fn(&str)) {
-        let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
-        if told.iter().any(|before| before == message) {
+    fn once(&self, message: &str, print: fn(&str)) {
+        let mut messages = self.messages.lock().unwrap_or_else(PoisonError::into_inner);
+        if messages.iter().any(|before| before == message) {
             return;
         }
-        told.push(message.to_owned());
-        self.progress.suspend(|| tell(message));
+        messages.push(message.to_owned());
+        self.progress.suspend(|| print(message));
     }
 
     /// Returns the seed of the random numbers.
@@ -194,8 +195,13 @@ impl Studio {
     ///
     /// # Errors
     /// The plugin's error.
-    pub fn take(&self, parameters: &Parameters, scene: &Scene, order: &Order) -> Result<Shot, Failure> {
-        self.take_after(None, parameters, scene, order)
+    pub fn take(
+        &self,
+        parameters: &Parameters,
+        scene: &Scene,
+        options: &ShotOptions,
+    ) -> Result<Shot, Failure> {
+        self.take_after(None, parameters, scene, options)
     }
 
     /// Measures the noise of a picture from parts of two pictures: the RMS of a pixel's error over the mean of all,
@@ -207,10 +213,10 @@ impl Studio {
         &self,
         parameters: &Parameters,
         scene: &Scene,
-        order: &Order,
+        options: &ShotOptions,
     ) -> Result<(f64, Shot), Failure> {
         let taken = |seed: u64| {
-            let shot = self.take(parameters, scene, &Order { probe: Some(seed), ..*order })?;
+            let shot = self.take(parameters, scene, &ShotOptions { probe: Some(seed), ..*options })?;
             let shown = |colour: &[f32; 3]| colour.map(|value| shot.tone.shown(value));
             let pixels = shot.picture.pixels.iter().map(shown).collect();
             Ok::<_, Failure>((Picture { size: shot.picture.size, pixels }, shot))
@@ -231,18 +237,18 @@ impl Studio {
         before: Option<&Camera>,
         parameters: &Parameters,
         scene: &Scene,
-        order: &Order,
+        options: &ShotOptions,
     ) -> Result<Shot, Failure> {
-        if order.integrator == Integrator::Light {
-            is_lamplit(parameters, scene, order)?;
+        if options.integrator == Integrator::Light {
+            is_lamplit(parameters, scene, options)?;
         }
-        if let (Some(wavelength), Some(count)) = (parameters.wavelength.map(as_given), order.wavelengths) {
+        if let (Some(wavelength), Some(count)) = (parameters.wavelength.map(as_given), options.wavelengths) {
             return Err(Failure::Usage(format!(
                 "a picture in {count} wavelengths has no single \"wavelength\" ({wavelength} nm); leave \
                  --wavelength out, or --wavelengths"
             )));
         }
-        let whole = order.whole.unwrap_or(self.size);
+        let whole = options.whole.unwrap_or(self.size);
         let warn = |message: &str| self.warn(message);
         let (camera, back) = focus::build(&self.plugin, before, parameters, whole, scene, &warn)?;
         let scene = &scene.moved_back(back);
@@ -252,26 +258,27 @@ impl Studio {
                 short(f64::from(back))
             ));
         }
-        let [x0, y0, x1, y1] = order.filter.around(camera.info()?.crop, whole);
+        let [x0, y0, x1, y1] = options.filter.around(camera.info()?.crop, whole);
         let reach = if scene.light == Light::Dusk { REACH } else { 0 };
         let [x0, y0] = [x0, y0].map(|at| at.saturating_sub(reach));
         let [x1, y1] = [(x1 + reach).min(whole[0]), (y1 + reach).min(whole[1])];
         let settings = Settings {
             corner: [x0, y0],
             mm_per_unit: parameters.mm_per_unit.unwrap_or(1.0) as f32,
-            stride: order.probe.map_or(1, |_| PROBED),
-            ..Settings::plain([x1 - x0, y1 - y0], order.spp, order.probe.unwrap_or(self.seed))
+            stride: options.probe.map_or(1, |_| PROBED),
+            ..Settings::plain([x1 - x0, y1 - y0], options.spp, options.probe.unwrap_or(self.seed))
         };
-        check_room(settings.size, PER_PIXEL)?;
+        check_memory(settings.size, PER_PIXEL)?;
         let shutter = [parameters.shutter_open.unwrap_or(0.0), parameters.shutter_close.unwrap_or(1.0)];
         let shutter = shutter.map(|time| time as f32);
-        let joined = |places: &Places, found: &mut Connections| camera.connect(places, found);
+        let joined =
+            |scene_points: &ScenePoints, found: &mut Connections| camera.connect(scene_points, found);
         let scale = self.exposure.exp2() / white_level(&camera, parameters, whole)?;
         let curve = if scene.light == Light::Dusk { Curve::Film } else { Curve::Straight };
         let tone = Tone { scale, curve };
         let start = Instant::now();
-        let (picture, tally) = match order.wavelengths {
-            None if order.integrator == Integrator::Light => {
+        let (picture, tally) = match options.wavelengths {
+            None if options.integrator == Integrator::Light => {
                 self.pool.install(|| trace(joined, scene, &settings, shutter, &self.progress))?
             }
             None => {
@@ -282,12 +289,14 @@ impl Studio {
                     }
                     let dusk = Dusk::of(scene, &[]);
                     let eye = [3, 7, 11].map(|at| scene.pose[at]).into();
-                    let bulbs = Bulbs { dusk: &dusk, settings: &settings, whole, shutter, eye };
-                    let plans = bulbs.plan(joined)?;
+                    let emitter_picture =
+                        EmitterPicture { dusk: &dusk, settings: &settings, whole, shutter, eye };
+                    let plans = emitter_picture.plan(joined)?;
                     let emitters: Vec<usize> = plans.iter().map(|plan| plan.emitter).collect();
-                    let (emitted, _) = bulbs.take(&plans, joined)?;
-                    let spread = Some(Spread { tone, beside: &emitted, corner: settings.corner, whole });
-                    let settings = Settings { joined: &emitters, spread, ..settings };
+                    let (emitted, _) = emitter_picture.take(&plans, joined)?;
+                    let adaptive =
+                        Some(AdaptiveSampling { tone, beside: &emitted, corner: settings.corner, whole });
+                    let settings = Settings { joined: &emitters, adaptive, ..settings };
                     render(rays, scene, &settings, &self.progress)
                 };
                 self.pool.install(taken)?
@@ -315,7 +324,7 @@ impl Studio {
                 sum
             }
         };
-        let picture = order.filter.applied(&picture, [x0, y0], camera.info()?.crop);
+        let picture = options.filter.applied(&picture, [x0, y0], camera.info()?.crop);
         let took = start.elapsed();
         self.progress.finish_and_clear();
         Ok(Shot { camera, picture, tone, tally, took })
@@ -324,21 +333,21 @@ impl Studio {
 
 /// Whether lamps are connected to a camera: at dusk, if it has importance.
 fn are_lamps_joined(scene: &Scene, camera: &Camera) -> bool {
-    let mut place = Places::default();
-    place.push([0.0, 0.0, 1000.0], [0.5; 2], 0.5);
-    let has_importance = || camera.connect(&place, &mut Connections::default()).is_ok();
+    let mut scene_points = ScenePoints::default();
+    scene_points.push([0.0, 0.0, 1000.0], [0.5; 2], 0.5);
+    let has_importance = || camera.connect(&scene_points, &mut Connections::default()).is_ok();
     scene.light == Light::Dusk && has_importance()
 }
 
 /// Checks that paths from the lamps can show all of a scene.
-fn is_lamplit(parameters: &Parameters, scene: &Scene, order: &Order) -> Result<(), Failure> {
+fn is_lamplit(parameters: &Parameters, scene: &Scene, options: &ShotOptions) -> Result<(), Failure> {
     let what = if scene.light != Light::Lamps {
         "sun and sky, which have no place to begin paths at; give --scene night".to_owned()
     } else if let Some(finish) = lamplight::not_matte(scene) {
         format!("surfaces with the finish {finish:?}, which no path from a lamp to the lens meets")
     } else if parameters.crop.is_some() {
         "a \"crop\", and paths from the lamps lead to the whole picture".to_owned()
-    } else if order.wavelengths.is_some() {
+    } else if options.wavelengths.is_some() {
         "several wavelengths, and rays from the scene have the camera's own".to_owned()
     } else {
         return Ok(());
@@ -405,7 +414,7 @@ fn white_level(camera: &Camera, parameters: &Parameters, size: [u32; 2]) -> Resu
 ///
 /// # Errors
 /// A piped text that is not a lens, or parameters that contradict each other.
-fn look_at_lens(parameters: &mut Parameters) -> Result<Option<bool>, Failure> {
+fn examine_lens(parameters: &mut Parameters) -> Result<Option<bool>, Failure> {
     let mut own = parameters.clone();
     let host = host(&mut own, Raster { xres: 1, yres: 1 })?;
     let is_piped = host.lens_text.is_some();
@@ -416,9 +425,9 @@ fn look_at_lens(parameters: &mut Parameters) -> Result<Option<bool>, Failure> {
     if !has_lens(own.model.unwrap_or_default()) {
         return Ok(None);
     }
-    let looked = open_lens(&own, &host, &mut |_, _| ())
+    let examined = open_lens(&own, &host, &mut |_, _| ())
         .and_then(|(prescription, lens)| film_distance(&own, &lens).map(|_| prescription.is_dispersive()));
-    match looked {
+    match examined {
         Ok(is_dispersive) => Ok(Some(is_dispersive)),
         // The error is reported here, because only here the lens has the name that the user gave.
         Err(error) if is_piped || matches!(error, CameraError::Parameter(_)) => Err(error.into()),

@@ -1,7 +1,7 @@
 //! The lecture's slides: for each effect a small scene, rendered without it, with few samples, and with many (after
 //! R. L. Cook, T. Porter and L. Carpenter, "Distributed Ray Tracing", 1984).
 
-use super::session::{Order, Studio, stopped_down, whole_only};
+use super::session::{ShotOptions, Studio, stopped_down, whole_only};
 use crate::failure::Failure;
 use crate::host::render::Integrator;
 use crate::host::scene::effects::Effect::{self, Dof, Gloss, Motion, SoftShadow, Translucency};
@@ -24,7 +24,7 @@ pub enum Slide {
     Dof,
     /// Balls that move while the shutter is open
     Motion,
-    /// The four lenses of Kolb's figure from one place
+    /// The four lenses of Kolb's figure from one position
     Lenses,
     /// Colour errors of a lens, by one, few and many wavelengths
     Colour,
@@ -38,21 +38,21 @@ const FEW: u32 = 4;
 const MANY: u32 = 64;
 
 /// One picture of a slide.
-struct Panel {
+struct SlidePanel {
     label: String,
     effects: Effects,
-    order: Order,
+    options: ShotOptions,
     /// Camera parameters of this picture, which the user may not give.
     parameters: Vec<(&'static str, String)>,
     /// Factor on the default exposure.
     exposure: f32,
 }
 
-impl Panel {
+impl SlidePanel {
     fn new(label: impl Into<String>, effects: &[Effect], spp: u32) -> Self {
-        let order = Order::plain(spp);
+        let options = ShotOptions::plain(spp);
         let effects = Effects::only(effects);
-        Self { label: label.into(), effects, order, parameters: Vec::new(), exposure: 1.0 }
+        Self { label: label.into(), effects, options, parameters: Vec::new(), exposure: 1.0 }
     }
 
     fn set(mut self, name: &'static str, value: impl ToString) -> Self {
@@ -93,7 +93,7 @@ impl Slide {
             }
             let parameters = stopped_down(&parameters, &panel.effects)?;
             let scene = scene.clone().with(&panel.effects);
-            let shot = studio.take(&parameters, &scene, &panel.order)?;
+            let shot = studio.take(&parameters, &scene, &panel.options)?;
             sheet.add(&panel.label, &shot.picture, shot.tone.scale * panel.exposure);
             let info = shot.camera.info()?;
             let _ = writeln!(
@@ -103,7 +103,7 @@ impl Slide {
                 shot.camera.lens_name()?,
                 info.focal_length_mm,
                 info.fnumber,
-                panel.order.spp,
+                panel.options.spp,
                 shot.took.as_secs_f64()
             );
         }
@@ -111,7 +111,7 @@ impl Slide {
     }
 
     /// Returns the scene and its pictures, with up to `many` samples per pixel.
-    fn panels(self, many: u32, size: [u32; 2]) -> (Scene, Vec<Panel>) {
+    fn panels(self, many: u32, size: [u32; 2]) -> (Scene, Vec<SlidePanel>) {
         match self {
             // The image of a large lamp in rough metal has less noise than that of a point.
             Self::Gloss => (gloss::scene(), three(&[SoftShadow], &[Gloss, SoftShadow], many)),
@@ -127,16 +127,16 @@ impl Slide {
 }
 
 /// Returns one panel without the effect, and two with it, by few and by many samples.
-fn three(off: &[Effect], shown: &[Effect], many: u32) -> Vec<Panel> {
-    let on = |spp: u32| Panel::new(format!("{spp} samples"), shown, spp);
-    vec![Panel::new("off", off, many), on(FEW.min(many)), on(many)]
+fn three(off: &[Effect], shown: &[Effect], many: u32) -> Vec<SlidePanel> {
+    let on = |spp: u32| SlidePanel::new(format!("{spp} samples"), shown, spp);
+    vec![SlidePanel::new("off", off, many), on(FEW.min(many)), on(many)]
 }
 
-/// Returns the four lenses of Kolb's figure 6, from one place: a telephoto, a wide-angle lens, a double Gauss and a
+/// Returns the four lenses of Kolb's figure 6, from one position: a telephoto, a wide-angle lens, a double Gauss and a
 /// fisheye, scaled to its focal lengths.
-fn lenses(spp: u32) -> Vec<Panel> {
+fn lenses(spp: u32) -> Vec<SlidePanel> {
     let lens = |label: &str, name: &str, diagonal: f64| {
-        Panel::new(label, &[SoftShadow, Dof], spp).set("lens_file", name).set("film_diagonal", diagonal)
+        SlidePanel::new(label, &[SoftShadow, Dof], spp).set("lens_file", name).set("film_diagonal", diagonal)
     };
     vec![
         lens("200 mm telephoto", "telephoto.250mm@200mm", 43.3),
@@ -148,11 +148,11 @@ fn lenses(spp: u32) -> Vec<Panel> {
 
 /// Returns the night scene by paths from both ends. A path from a lamp is connected to the camera up to three times,
 /// and takes about as long as `AS_LONG` paths from the camera.
-fn lamps(many: u32) -> Vec<Panel> {
+fn lamps(many: u32) -> Vec<SlidePanel> {
     const AS_LONG: u32 = 2;
     let panel = |integrator: Integrator, name: &str, spp: u32| {
-        let mut panel = Panel::new(format!("{spp} {name}"), &[SoftShadow, Dof], spp).set("fnumber", 2.0);
-        panel.order.integrator = integrator;
+        let mut panel = SlidePanel::new(format!("{spp} {name}"), &[SoftShadow, Dof], spp).set("fnumber", 2.0);
+        panel.options.integrator = integrator;
         panel
     };
     vec![
@@ -162,18 +162,18 @@ fn lamps(many: u32) -> Vec<Panel> {
 }
 
 /// Returns the corner of a large picture, by one wavelength and by several.
-fn colours(many: u32, size: [u32; 2]) -> Vec<Panel> {
+fn colours(many: u32, size: [u32; 2]) -> Vec<SlidePanel> {
     /// Size of the whole picture over that of the panel.
     const ZOOM: u32 = 16;
     let panel = |label: &str, wavelengths: Option<u32>| {
         let spp = (2 * many / wavelengths.unwrap_or(1)).clamp(1, many);
-        let mut panel = Panel::new(label, &[Dof], spp)
+        let mut panel = SlidePanel::new(label, &[Dof], spp)
             .set("lens_file", "dgauss.100mm")
             .set("film_diagonal", 43.3)
             .set("fnumber", 5.6);
         let [width, height] = size;
-        panel.order.wavelengths = wavelengths;
-        panel.order.whole = Some([ZOOM * width, ZOOM * height]);
+        panel.options.wavelengths = wavelengths;
+        panel.options.whole = Some([ZOOM * width, ZOOM * height]);
         let [left, top] = [width * (ZOOM - 1) - width / 4, height / 4];
         let mut panel = panel.set("crop", format!("{left},{top},{},{}", left + width, top + height));
         panel.exposure = 2.0;

@@ -41,7 +41,7 @@ fn translated(text: &str) -> String {
         let parameter = parameter.trim().trim_start_matches("output ");
         let parameter = parameter.strip_prefix("float zoom = ").map_or_else(
             || parameter.to_owned(),
-            |own| format!("float zoom = zoom_asked > 0 ? zoom_asked : {own}"),
+            |own| format!("float zoom = requested_zoom > 0 ? requested_zoom : {own}"),
         );
         format!("    {parameter};\n")
     };
@@ -50,7 +50,7 @@ fn translated(text: &str) -> String {
     let recorded = "template <class... Moved> static int recorded(float stop, float nm, float &x, float &y, float &z, float &vx,\n\
          float &vy, float &vz, Moved &&...moved) {\n\
          float now[8] = {1, stop, nm, x, y, vx, vy, vz};\n\
-         for (int i = 0; i < 8; i++) asked[i] = now[i];\n\
+         for (int i = 0; i < 8; i++) traced[i] = now[i];\n\
          return trace(stop, nm, x, y, z, vx, vy, vz, moved...);\n}\n";
     let body = body.replace("!trace(", "!recorded(").replace("return;", "goto done;");
     let body = body.trim_end().trim_end_matches('}');
@@ -128,18 +128,18 @@ fn compiled(text: &str) -> PathBuf {
     let compiler = env::var_os("CXX").unwrap_or_else(|| "c++".into());
     let mut hash = DefaultHasher::new();
     (&compiler, FLAGS, text).hash(&mut hash);
-    let room = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
-    let program = room.join(format!("shader-{:016x}", hash.finish()));
+    let folder_of_tests = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
+    let program = folder_of_tests.join(format!("shader-{:016x}", hash.finish()));
     if program.is_file() {
         return program;
     }
-    let folder = tempfile::tempdir_in(room).expect("a folder");
+    let folder = tempfile::tempdir_in(folder_of_tests).expect("a folder");
     let [source, fresh] = ["shader.cpp", "shader"].map(|name| folder.path().join(name));
     std::fs::write(&source, text).expect("written");
     let mut command = Command::new(compiler);
     command.args(FLAGS).arg(&source).arg("-o").arg(&fresh);
-    let told = command.output().expect("a C++ compiler: name it in CXX");
-    assert!(told.status.success(), "{}", String::from_utf8_lossy(&told.stderr));
+    let output = command.output().expect("a C++ compiler: name it in CXX");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     // Another process may do this at the same time.
     std::fs::rename(fresh, &program).expect("renamed");
     program
@@ -167,7 +167,7 @@ struct Answer {
     direction: [f64; 3],
     /// Whether the pupil gave a ray to trace; then its stop, wavelength, and x, y and direction on the rear vertex
     /// plane.
-    is_asked: bool,
+    is_traced: bool,
     stop: f64,
     start: [f64; 2],
     heading: [f64; 3],
@@ -204,7 +204,7 @@ impl Shader {
                 throughput: [v[0], v[7], v[8]],
                 position: [1000.0 * wide(1), 1000.0 * wide(2), 1000.0 * wide(3)],
                 direction: [wide(4), wide(5), wide(6)],
-                is_asked: v[9] == 1.0,
+                is_traced: v[9] == 1.0,
                 stop: wide(10),
                 start: [wide(12), wide(13)],
                 heading: [wide(14), wide(15), wide(16)],
@@ -244,7 +244,7 @@ fn focused(name: &str, zoom: Option<f64>, distance: f32) -> Lens {
         ..Parameters::default()
     };
     let mut length = 0.0;
-    // At near distances each round leaves a sixth of the error.
+    // Each round leaves a sixth of the error at near distances.
     for _ in 0..16 {
         let from_film = if distance > 0.0 { 1000.0 * f64::from(distance) + length } else { f64::INFINITY };
         // A distance slightly nearer than the limit is replaced by the limit.
@@ -266,7 +266,7 @@ struct Comparison {
     offsets: Vec<f64>,
     fates_differ: usize,
     passed: usize,
-    asked: usize,
+    traced: usize,
 }
 
 impl Comparison {
@@ -274,8 +274,8 @@ impl Comparison {
         let mut result = Self::default();
         let stop = stop_or_limiting(lens);
         let mut path: Option<(f64, Path)> = None;
-        for answer in answers.iter().filter(|answer| answer.is_asked) {
-            result.asked += 1;
+        for answer in answers.iter().filter(|answer| answer.is_traced) {
+            result.traced += 1;
             if path.as_ref().is_none_or(|(s, _)| *s != answer.stop) {
                 let mut lens = lens.clone();
                 lens.surfaces[stop].semi_diameter *= answer.stop;
@@ -335,8 +335,8 @@ fn the_stop_of_an_f_number_is_the_librarys() {
         for number in [3.0, 4.0, 5.6, 11.0, 22.0] {
             let center = [0.5, 0.5, 0.5, 0.5, (0.5 / number) as f32, 0.0, 36.0, 24.0, 0.5];
             let own = shader.answers(&[center])[0].stop;
-            let wanted = stop(Some(number)) / stop(None);
-            assert!((own / wanted - 1.0).abs() < 3e-4, "{name} f/{number}: {own} {wanted}");
+            let expected = stop(Some(number)) / stop(None);
+            assert!((own / expected - 1.0).abs() < 3e-4, "{name} f/{number}: {own} {expected}");
         }
     }
 }
@@ -358,15 +358,15 @@ fn a_shaders_zoom_is_right_at_any_focal_length() {
             let answers = shader.answers(&samples(shader.reach, 10_000, camera));
             let found = Comparison::of(&lens, &answers);
             let [median, most] = Comparison::median_and_most(&found.directions);
-            let acceptance = found.passed as f64 / found.asked as f64;
-            let said = format!(
+            let acceptance = found.passed as f64 / found.traced as f64;
+            let figures = format!(
                 "{focal_length} at {camera:?}: {median:e} {most:e} rad, {} fates, {acceptance}",
                 found.fates_differ
             );
-            println!("{said}");
-            // Groups stand within a few micrometres of the lens's own places.
-            assert!(found.asked > 9000 && found.fates_differ <= 10, "{said}");
-            assert!(most < 1e-3 && median < 5e-5 && acceptance > 0.95, "{said}");
+            println!("{figures}");
+            // Groups are within a few micrometres of the lens's own positions.
+            assert!(found.traced > 9000 && found.fates_differ <= 10, "{figures}");
+            assert!(most < 1e-3 && median < 5e-5 && acceptance > 0.95, "{figures}");
         }
         if [24.701, 43.2, 67.87].contains(&focal_length) {
             let cases = [(0.0, 0.0, 0.0), (0.0, 2.0, 0.5), (1.0 / 11.2, 2.0, 0.6)];
@@ -391,21 +391,21 @@ fn groups_focus_where_the_file_has_them() {
                     let answers = shader.answers(&samples(shader.reach, 10_000, [aperture, distance]));
                     let found = Comparison::of(&lens, &answers);
                     let [median, most] = Comparison::median_and_most(&found.directions);
-                    let acceptance = found.passed as f64 / found.asked as f64;
+                    let acceptance = found.passed as f64 / found.traced as f64;
                     let point = points::<2>(2000)
                         .map(|[u, v]| [0.5, 0.5, u, v, aperture, distance, 36.0, 24.0, 0.5])
                         .collect::<Vec<Sample>>();
                     let back = film_distance(&shader.answers(&point));
                     let film = lens.nominal_film_distance.expect("stated");
-                    let said = format!(
+                    let figures = format!(
                         "{name} {zoom:?} at {distance} m: {median:e} {most:e} rad, {} fates, {acceptance}, film {back} {film}",
                         found.fates_differ
                     );
-                    println!("{said}");
-                    assert!(found.asked > 9000 && found.fates_differ <= 2, "{said}");
-                    assert!(most < 1e-5 && median < 4e-6 && acceptance > 0.94, "{said}");
-                    // The film stays in the file's place, except for the shift to sharpest focus.
-                    assert!((back - film).abs() < 0.01 * film, "{said}");
+                    println!("{figures}");
+                    assert!(found.traced > 9000 && found.fates_differ <= 2, "{figures}");
+                    assert!(most < 1e-5 && median < 4e-6 && acceptance > 0.94, "{figures}");
+                    // The film stays at the file's position, except for the shift to sharpest focus.
+                    assert!((back - film).abs() < 0.01 * film, "{figures}");
                 }
             }
         }
@@ -418,18 +418,19 @@ fn every_lens_of_the_catalogue_is_traced_as_in_double_precision() {
         let shader = Shader::new(name, &[]);
         let lens = if shader.focuses_by_groups { focused(name, None, 0.0) } else { lens_of(name) };
         cameras().map(|camera| {
-            // Groups stand in their places for infinity; the test above covers nearer foci.
+            // Groups are at their positions for infinity; the test above covers nearer foci.
             let camera = if shader.focuses_by_groups { [camera[0], 0.0] } else { camera };
             let answers = shader.answers(&samples(shader.reach, 20_000, camera));
             let found = Comparison::of(&lens, &answers);
             let [median, most] = Comparison::median_and_most(&found.directions);
             let [_, offset] = Comparison::median_and_most(&found.offsets);
-            let acceptance = found.passed as f64 / found.asked as f64;
-            let said = format!("{name} at {camera:?}: {median:e} {most:e} rad, {offset:e} mm, {acceptance}");
-            assert!(found.asked > 19_000, "{said}: {} asked", found.asked);
-            assert!(found.fates_differ <= 4, "{said}: {} fates differ", found.fates_differ);
-            assert!(most < 1.2e-5 && median < 2e-6 && offset < 1e-3, "{said}");
-            assert!(acceptance > 0.96, "{said}");
+            let acceptance = found.passed as f64 / found.traced as f64;
+            let figures =
+                format!("{name} at {camera:?}: {median:e} {most:e} rad, {offset:e} mm, {acceptance}");
+            assert!(found.traced > 19_000, "{figures}: {} asked", found.traced);
+            assert!(found.fates_differ <= 4, "{figures}: {} fates differ", found.fates_differ);
+            assert!(most < 1.2e-5 && median < 2e-6 && offset < 1e-3, "{figures}");
+            assert!(acceptance > 0.96, "{figures}");
             acceptance
         })
     };
@@ -447,9 +448,9 @@ fn slopes(answer: &Answer) -> [f64; 2] {
 
 /// Returns the distance behind the last vertex, mm, at which the rays of one film point meet and start.
 fn film_distance(answers: &[Answer]) -> f64 {
-    let asked: Vec<&Answer> = answers.iter().filter(|answer| answer.is_asked).collect();
+    let traced: Vec<&Answer> = answers.iter().filter(|answer| answer.is_traced).collect();
     let (mut along, mut squares) = (0.0, 0.0);
-    for pair in asked.windows(2) {
+    for pair in traced.windows(2) {
         let ([ax, ay], [bx, by]) = (slopes(pair[0]), slopes(pair[1]));
         along += (pair[0].start[0] - pair[1].start[0]) * (ax - bx)
             + (pair[0].start[1] - pair[1].start[1]) * (ay - by);
@@ -459,10 +460,10 @@ fn film_distance(answers: &[Answer]) -> f64 {
 }
 
 /// Returns a disk twice as wide as the slopes that the shader samples, with the same middle. Wherever the pupil of a
-/// film point lies (a phone's lens has it far from its first-order place), the disk also contains any part that the
+/// film point lies (a phone's lens has it far from its first-order position), the disk also contains any part that the
 /// shader omits.
 fn twice_around(answers: &[Answer]) -> SlopeDisk {
-    let all = || answers.iter().filter(|answer| answer.is_asked).map(slopes);
+    let all = || answers.iter().filter(|answer| answer.is_traced).map(slopes);
     let middle = |axis: usize| {
         let (low, high) = all().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), slopes| {
             (low.min(slopes[axis]), high.max(slopes[axis]))
@@ -504,18 +505,18 @@ fn is_bright_and_in_focus(name: &str, own: &Lens, shader: &Shader, cases: &[(f32
             answers.iter().map(|answer| f64::from(answer.throughput[0])).sum::<f64>() / answers.len() as f64;
         let stop = stop_or_limiting(&lens);
         lens.surfaces[stop].semi_diameter *=
-            answers.iter().find(|answer| answer.is_asked).expect("bright").stop;
+            answers.iter().find(|answer| answer.is_traced).expect("bright").stop;
         let back = film_distance(&answers);
-        let wanted = match distance {
+        let expected = match distance {
             0.0 => Focus::new(&lens).and_then(|focus| focus.film_distance(f64::INFINITY)),
             // The library measures from the film.
             _ => Focus::new(&lens).and_then(|focus| {
                 focus.film_distance(1000.0 * f64::from(distance) - lens.rear().vertex + back)
             }),
         };
-        let wanted = wanted.expect("in reach");
-        let off = (back - wanted).abs() / FirstOrder::of(&lens).expect("focal").focal_length;
-        assert!(off < 3e-4, "{name}: film at {back}, not {wanted}");
+        let expected = expected.expect("in reach");
+        let off = (back - expected).abs() / FirstOrder::of(&lens).expect("focal").focal_length;
+        assert!(off < 3e-4, "{name}: film at {back}, not {expected}");
 
         let path: Path = Path::film_to_scene(&lens);
         let film = lens.rear().vertex - back;
@@ -525,8 +526,11 @@ fn is_bright_and_in_focus(name: &str, own: &Lens, shader: &Shader, cases: &[(f32
         // The rear element is too wide a disk for a grid.
         let exit = PupilDisk::exit(&lens, film).seen_from([0.0, 0.0]);
         let center = SlopeDisk { radius: 2.5 * exit.radius, ..exit };
-        let wanted = irradiance(radius, twice_around(&answers)) / irradiance(0.0, center);
-        assert!((mean / wanted - 1.0).abs() < 0.01, "{name} at {radius} mm, f {aperture}: {mean} {wanted}");
+        let expected = irradiance(radius, twice_around(&answers)) / irradiance(0.0, center);
+        assert!(
+            (mean / expected - 1.0).abs() < 0.01,
+            "{name} at {radius} mm, f {aperture}: {mean} {expected}"
+        );
     }
 }
 
@@ -555,8 +559,8 @@ fn a_shader_traces_each_wavelength_and_all_sum_to_white() {
 #[test]
 fn what_cannot_be_a_camera_is_refused_with_why() {
     let afocal = "50 5 1.5 20\n-50 100 1 20\n0 0 0 10\n50 5 1.5 20\n-50 0 1 20\n";
-    let told = fails(&["blender", "-", "--out", "-"], afocal, 1);
-    assert!(told.contains("afocal") || told.contains("focal length"), "{told}");
+    let stderr = fails(&["blender", "-", "--out", "-"], afocal, 1);
+    assert!(stderr.contains("afocal") || stderr.contains("focal length"), "{stderr}");
     let many: String = (0..66).map(|_| "1000 1 1.5 10\n-1000 1 1 10\n").collect();
     assert!(fails(&["blender", "-", "--out", "-"], &many, 1).contains("at most 64"));
     assert!(
@@ -601,7 +605,7 @@ fn worst_loss(name: &str, lens: &Lens, arguments: &[&str], surfaces: &Surfaces, 
 }
 
 #[test]
-fn what_surfaces_leave_of_the_light_is_what_the_library_says() {
+fn transmission_of_surfaces_is_the_librarys() {
     for (name, coating, transmission) in [
         ("dgauss.50mm", Coating::Bare, "bare"),
         ("dgauss.50mm", Coating::ThreeLayer, "three-layer"),
@@ -627,7 +631,7 @@ fn what_surfaces_leave_of_the_light_is_what_the_library_says() {
 }
 
 #[test]
-fn what_glasses_absorb_is_what_the_library_says() {
+fn absorption_of_glasses_is_the_librarys() {
     // An asphere, a cemented surface, a stop in the air behind it, and a plane in air.
     let text = "glass DARK polynomial A0=2.9 A2=-0.01 A-2=0.03\nglass CLEAR sellmeier B1=1.03961212 B2=0.231792344 \
         B3=1.01046945 C1=0.00600069867 C2=0.0200179144 C3=103.560653\n\
@@ -673,6 +677,6 @@ fn coatings_of_a_lens_file_are_in_its_shader() {
     assert!(facts(&bare)["loses_light"] == true);
     let plain = succeeds(&["blender", "-", "--out", "-"], text);
     assert!(!plain.contains("stokes") && facts(&plain)["loses_light"] == false);
-    let told = fails(&["blender", "dgauss.50mm", "--out", "-", "--transmission", "file"], "", 2);
-    assert!(told.contains("names no coatings"), "{told}");
+    let stderr = fails(&["blender", "dgauss.50mm", "--out", "-", "--transmission", "file"], "", 2);
+    assert!(stderr.contains("names no coatings"), "{stderr}");
 }

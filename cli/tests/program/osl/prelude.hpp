@@ -70,21 +70,21 @@ inline float Dx(float) { return 1.0f / 300; }
 inline float Dy(float) { return 1.0f / 200; }
 
 // The inputs of the trace: stop, wavelength, x, y and direction; 0 before the trace.
-static float asked[8];
+static float traced[8];
 
 // Focal length in mm; 0: the shader's own.
-static float zoom_asked = 0;
+static float requested_zoom = 0;
 
-// At a focal length, if one is given as text, reads samples from standard input and writes for each the throughput,
-// position, direction, and the inputs of the trace.
+// Reads samples from standard input, and writes for each the throughput, position, direction, and the inputs of the
+// trace. The text, if given, is the focal length.
 template <class Shader> int serve(Shader shader, const char *zoom) {
-    if (zoom) zoom_asked = std::strtof(zoom, nullptr);
+    if (zoom) requested_zoom = std::strtof(zoom, nullptr);
     while (std::fread(&sample, sizeof sample, 1, stdin) == 1) {
-        for (float &value : asked) value = 0;
+        for (float &value : traced) value = 0;
         float out[9];
         shader(out);
         std::fwrite(out, sizeof out, 1, stdout);
-        std::fwrite(asked, sizeof asked, 1, stdout);
+        std::fwrite(traced, sizeof traced, 1, stdout);
     }
     return 0;
 }

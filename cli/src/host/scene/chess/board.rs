@@ -1,4 +1,4 @@
-//! The place of the board, and places on it.
+//! The position of the board, and coordinates on it.
 
 use crate::host::scene::FLOOR;
 use glam::{Vec2, Vec3};
@@ -16,13 +16,13 @@ pub fn middle_of([file, rank]: [u8; 2]) -> Vec3 {
     in_world((Vec2::new(f32::from(file), f32::from(rank)) - 3.5) * SQUARE)
 }
 
-/// Converts a place on the board, mm from its middle along files and ranks, to the world.
-pub fn in_world(place: Vec2) -> Vec3 {
-    let turned = Vec2::from_angle(-TURN).rotate(place);
+/// Converts a position on the board, mm from its middle along files and ranks, to the world.
+pub fn in_world(position: Vec2) -> Vec3 {
+    let turned = Vec2::from_angle(-TURN).rotate(position);
     BOARD + Vec3::new(turned.x, 0.0, turned.y)
 }
 
-/// Converts a point of the world to a place on the board.
+/// Converts a point of the world to a position on the board.
 pub fn on_board(point: Vec3) -> Vec2 {
     Vec2::from_angle(TURN).rotate(Vec2::new(point.x - BOARD.x, point.z - BOARD.z))
 }

@@ -2,14 +2,14 @@
 //! behind it. All objects are lathe-turned parts, boxes, rods and balls; patterns are formulas.
 
 mod board;
-mod looks;
+mod materials;
 mod pieces;
 mod terrace;
 
 use super::objects::{FLOOR, Finish, Material};
 use super::pose::tilted;
 use super::sky::Sun;
-use super::solids::{Block, Form, Look, Solids};
+use super::solids::{Appearance, Block, Form, Solids};
 use super::world::{Light, Scene};
 use board::{BOARD, SQUARE, TABLE, TURN, in_world, middle_of};
 use glam::{Vec2, Vec3};
@@ -48,13 +48,13 @@ pub fn scene() -> Scene {
     let centre = BOARD - half.y * Vec3::Y;
     solids.push((
         Form::Block(Block { centre, half, turn: Vec2::from_angle(TURN) }),
-        Look::Painted(looks::board),
+        Appearance::Painted(materials::board),
     ));
     let white = Material::new([0.74, 0.60, 0.40], Finish::Coated).rough(0.17);
     let red = Material::new([0.36, 0.018, 0.014], Finish::Coated).rough(0.15);
     for (piece, is_white, square) in GAME {
-        let look = Look::Plain(if is_white { white } else { red });
-        solids.extend(pieces::solids(piece, middle_of(square), look));
+        let appearance = Appearance::Plain(if is_white { white } else { red });
+        solids.extend(pieces::solids(piece, middle_of(square), appearance));
     }
     // Captured pieces stand beside the board.
     let beside = [
@@ -65,19 +65,19 @@ pub fn scene() -> Scene {
         (Rook, [3.7, 9.6]),
     ];
     for (piece, [file, rank]) in beside {
-        let place = in_world(Vec2::new(file - 3.5, rank - 3.5) * SQUARE);
-        let foot = Vec3::new(place.x, FLOOR.height + TABLE, place.z);
-        let look = Look::Plain(if file > 0.0 { white } else { red });
-        solids.extend(pieces::solids(piece, foot, look));
+        let position = in_world(Vec2::new(file - 3.5, rank - 3.5) * SQUARE);
+        let foot = Vec3::new(position.x, FLOOR.height + TABLE, position.z);
+        let appearance = Appearance::Plain(if file > 0.0 { white } else { red });
+        solids.extend(pieces::solids(piece, foot, appearance));
     }
     Scene {
-        floor: looks::paving,
+        floor: materials::paving,
         floor_roughness: 0.08,
         balls: Vec::new(),
         boards: Vec::new(),
         solids: Arc::new(solids.into_iter().collect::<Solids>()),
         lamps: terrace::lamps(),
-        panes: terrace::houses().iter().flat_map(looks::windows).collect(),
+        panes: terrace::houses().iter().flat_map(materials::windows).collect(),
         light: Light::Dusk,
         sun: Sun::EVENING,
         pose: tilted(TILT, [0.0, BOARD.y + EYE, 0.0]),

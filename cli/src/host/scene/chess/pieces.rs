@@ -2,7 +2,7 @@
 //! knight, which a lathe cannot make, is left out.
 
 use crate::host::scene::Sphere;
-use crate::host::scene::solids::{Block, Form, Look, Rod, Turned};
+use crate::host::scene::solids::{Appearance, Block, Form, Rod, Turned};
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
 
@@ -191,13 +191,13 @@ const PAWN: &[[f32; 2]] = &[
 ];
 
 /// Makes a piece of a material, standing at a point.
-pub fn solids(piece: Piece, foot: Vec3, look: Look) -> Vec<(Form, Look)> {
+pub fn solids(piece: Piece, foot: Vec3, appearance: Appearance) -> Vec<(Form, Appearance)> {
     let up = |y: f32| foot + y * Vec3::Y;
     let ball = |centre: Vec3, radius: f32| Form::Ball(Sphere::resting(centre, radius));
     let around = |count: u8, radius: f32, y: f32| {
         (0..count).map(move |index| {
-            let place = Vec2::from_angle(TAU * f32::from(index) / f32::from(count));
-            (up(y) + radius * Vec3::new(place.x, 0.0, place.y), place)
+            let direction = Vec2::from_angle(TAU * f32::from(index) / f32::from(count));
+            (up(y) + radius * Vec3::new(direction.x, 0.0, direction.y), direction)
         })
     };
     let mut forms: Vec<Form>;
@@ -229,7 +229,7 @@ pub fn solids(piece: Piece, foot: Vec3, look: Look) -> Vec<(Form, Look)> {
             forms.push(ball(up(40.0), 8.4));
         }
     }
-    forms.into_iter().map(|form| (form, look)).collect()
+    forms.into_iter().map(|form| (form, appearance)).collect()
 }
 
 /// Makes the turned part with this profile: radius and height of its points, from the foot up.
@@ -296,7 +296,7 @@ mod tests {
 
     #[test]
     fn every_piece_is_closed_and_as_tall_as_its_profile_says() {
-        let look = Look::Plain(Material::new(Vec3::ONE, Finish::Matte));
+        let appearance = Appearance::Plain(Material::new(Vec3::ONE, Finish::Matte));
         let heights = [
             (Piece::King, 105.5),
             (Piece::Queen, 86.0),
@@ -305,20 +305,20 @@ mod tests {
             (Piece::Pawn, 48.4),
         ];
         for (piece, height) in heights {
-            let solids: Solids = solids(piece, Vec3::ZERO, look).into_iter().collect();
+            let solids: Solids = solids(piece, Vec3::ZERO, appearance).into_iter().collect();
             let top = |x: f32, z: f32| {
                 let ray = Ray { origin: Vec3::new(x, 300.0, z), direction: Vec3::NEG_Y, time: 0.5 };
                 solids.nearest(&ray, 0.0, f32::INFINITY).map(|(hit, _)| 300.0 - hit.distance)
             };
-            let places = || {
+            let grid = || {
                 (-60..=60_i8)
                     .flat_map(|x| (-60..=60_i8).map(move |z| [x, z].map(|at| f32::from(at) * 0.25 + 0.01)))
             };
-            let highest = places().filter_map(|[x, z]| top(x, z)).fold(0.0, f32::max);
+            let highest = grid().filter_map(|[x, z]| top(x, z)).fold(0.0, f32::max);
             assert!((highest - height).abs() < 0.4, "{piece:?}: {highest}");
             // The piece has no hole from above.
             assert!(
-                places().filter(|[x, z]| x.hypot(*z) < 14.9).all(|[x, z]| top(x, z).is_some()),
+                grid().filter(|[x, z]| x.hypot(*z) < 14.9).all(|[x, z]| top(x, z).is_some()),
                 "{piece:?}"
             );
             // The piece has no hole from the side either.

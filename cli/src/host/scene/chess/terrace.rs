@@ -1,12 +1,12 @@
 //! The surroundings of the board: the table, the terrace with its strings of lamps, and the street.
 
 use super::board::{BOARD, TABLE};
-use super::looks;
+use super::materials;
 use super::pieces::turned;
 use crate::host::scene::noise::hash;
 use crate::host::scene::objects::{Ball, FLOOR, Finish, Lamps, Material};
 use crate::host::scene::shapes::Sphere;
-use crate::host::scene::solids::{Block, Form, Look, Rod};
+use crate::host::scene::solids::{Appearance, Block, Form, Rod};
 use glam::{Vec2, Vec3};
 
 const AMBER: [f32; 3] = [1.0, 0.43, 0.09];
@@ -61,12 +61,12 @@ impl Garland {
     fn lamps(&self, number: usize) -> Lamps {
         let count = f32::from(self.lamps);
         let lit = |index: u8| {
-            let place = self.point((f32::from(index) + 0.5) / count) - (2.2 * self.radius) * Vec3::Y;
+            let position = self.point((f32::from(index) + 0.5) / count) - (2.2 * self.radius) * Vec3::Y;
             let colours = [AMBER, GOLD, PEARL, GOLD, AMBER, ROSE, GOLD, SEA, AMBER];
             let chance = hash(index.into(), number as i32, 77);
             let colour = colours[(chance * colours.len() as f32) as usize];
             lamp(
-                place,
+                position,
                 self.radius,
                 colour,
                 self.radiance * (0.75 + 0.5 * hash(index.into(), number as i32, 78)),
@@ -76,9 +76,9 @@ impl Garland {
     }
 
     fn wire(&self) -> impl Iterator<Item = Form> {
-        const PIECES: u8 = 12;
-        (0..PIECES).map(|piece| {
-            let ends = [piece, piece + 1].map(|end| self.point(f32::from(end) / f32::from(PIECES)));
+        const SEGMENTS: u8 = 12;
+        (0..SEGMENTS).map(|segment| {
+            let ends = [segment, segment + 1].map(|end| self.point(f32::from(end) / f32::from(SEGMENTS)));
             Form::Rod(Rod { ends, radius: 2.5 })
         })
     }
@@ -145,11 +145,12 @@ const OTHERS: [[f32; 2]; 5] =
     [[-1250.0, 2150.0], [1500.0, 2050.0], [-2500.0, 4300.0], [2300.0, 4500.0], [150.0, 5200.0]];
 
 /// Returns all objects that are not light sources.
-pub fn solids() -> Vec<(Form, Look)> {
-    let iron = Look::Painted(looks::iron);
-    let mut all: Vec<(Form, Look)> = Vec::new();
-    let mut add =
-        |look: Look, forms: &mut dyn Iterator<Item = Form>| all.extend(forms.map(|form| (form, look)));
+pub fn solids() -> Vec<(Form, Appearance)> {
+    let iron = Appearance::Painted(materials::iron);
+    let mut all: Vec<(Form, Appearance)> = Vec::new();
+    let mut add = |appearance: Appearance, forms: &mut dyn Iterator<Item = Form>| {
+        all.extend(forms.map(|form| (form, appearance)))
+    };
     let rod = |from: Vec3, to: Vec3, radius: f32| Form::Rod(Rod { ends: [from, to], radius });
     // Tables have one foot each.
     let round = |radius: f32| {
@@ -164,15 +165,15 @@ pub fn solids() -> Vec<(Form, Look)> {
             [0.0, TABLE],
         ]
     };
-    let places =
+    let tables =
         std::iter::once((BOARD.x, BOARD.z, 500.0)).chain(OTHERS.iter().map(|[x, z]| (*x, *z, 380.0)));
-    for (x, z, radius) in places {
-        add(Look::Painted(looks::oak), &mut turned(&round(radius), at(x, 0.0, z)));
+    for (x, z, radius) in tables {
+        add(Appearance::Painted(materials::oak), &mut turned(&round(radius), at(x, 0.0, z)));
         let foot = [[230.0, 0.0], [230.0, 12.0], [60.0, 30.0], [34.0, 90.0], [30.0, 600.0], [60.0, 700.0]];
         add(iron, &mut turned(&foot, at(x, 0.0, z)));
     }
     // Feet of the globes.
-    let brass = Look::Plain(Material::new([0.80, 0.52, 0.22], Finish::Metal).rough(0.18));
+    let brass = Appearance::Plain(Material::new([0.80, 0.52, 0.22], Finish::Metal).rough(0.18));
     let globes = std::iter::once([GLOBE.0[0], GLOBE.0[2]]).chain(OTHERS);
     for [x, z] in globes {
         let foot = [
@@ -201,13 +202,13 @@ pub fn solids() -> Vec<(Form, Look)> {
     for (x, z, angle) in chairs {
         let turn = Vec2::from_angle(angle);
         let local = |x0: f32, height: f32, z0: f32| {
-            let place = turn.rotate(Vec2::new(x0, z0));
-            at(x + place.x, height, z + place.y)
+            let position = turn.rotate(Vec2::new(x0, z0));
+            at(x + position.x, height, z + position.y)
         };
         let half = Vec3::new(200.0, 12.0, 200.0);
         let seat =
             Form::Block(Block { centre: local(0.0, 450.0, 0.0), half, turn: Vec2::new(turn.x, -turn.y) });
-        add(Look::Painted(looks::oak), &mut [seat].into_iter());
+        add(Appearance::Painted(materials::oak), &mut [seat].into_iter());
         let legs = [[-185.0, -185.0], [185.0, -185.0], [-185.0, 185.0], [185.0, 185.0]];
         let bars = [[-185.0, 185.0], [-62.0, 200.0], [62.0, 200.0], [185.0, 185.0]];
         let legs = legs.map(|[x0, z0]| rod(local(x0, 0.0, z0), local(0.95 * x0, 450.0, 0.95 * z0), 13.0));
@@ -239,12 +240,12 @@ pub fn solids() -> Vec<(Form, Look)> {
         (1900.0, 3200.0, 480.0),
     ];
     let trees = [(-4800.0, 8200.0, 2600.0), (4300.0, 9200.0, 2300.0), (-5600.0, 14_000.0, 2700.0)];
-    let green = Look::Painted(looks::leaves);
+    let green = Appearance::Painted(materials::leaves);
     for (number, (x, z, size)) in (0..).zip(bushes.into_iter().chain(trees)) {
         let is_tree = size > 2000.0;
         let centre = if is_tree { at(x, 2600.0 + 0.6 * size, z) } else { at(x, 0.75 * size, z) };
         if is_tree {
-            let bark = Look::Plain(Material::new([0.05, 0.04, 0.03], Finish::Matte));
+            let bark = Appearance::Plain(Material::new([0.05, 0.04, 0.03], Finish::Matte));
             add(bark, &mut [rod(at(x, 0.0, z), centre, 140.0)].into_iter());
         }
         let ball = |index: i32| {
@@ -273,7 +274,7 @@ pub fn solids() -> Vec<(Form, Look)> {
     }
     let ([x, y, z], radius) = LANTERN;
     add(iron, &mut [rod(at(x, y + radius, z), at(x, 2500.0, z), 4.0)].into_iter());
-    add(Look::Painted(looks::houses), &mut houses().into_iter().map(Form::Block));
+    add(Appearance::Painted(materials::houses), &mut houses().into_iter().map(Form::Block));
     all
 }
 

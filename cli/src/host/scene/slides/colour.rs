@@ -11,14 +11,14 @@ const MIDDLE: Vec2 = Vec2::new(641.5, 425.0);
 const SHOWN: f32 = 88.0;
 
 pub fn scene() -> Scene {
-    let place = |x: f32, y: f32, z: f32| (MIDDLE + Vec2::new(x, y) * SHOWN).extend(STAGE) * (z / STAGE);
+    let position = |x: f32, y: f32, z: f32| (MIDDLE + Vec2::new(x, y) * SHOWN).extend(STAGE) * (z / STAGE);
     let lit = |light: [f32; 3]| Material::new(light, Finish::Lamp);
     let lamp = |x: f32, y: f32, z: f32, radius: f32, light: f32| {
-        Ball::new(Sphere::resting(place(x, y, z), radius), lit([light; 3]))
+        Ball::new(Sphere::resting(position(x, y, z), radius), lit([light; 3]))
     };
     let pane = |k: u8| {
         let (x, y) = (f32::from(k % 2), f32::from(k / 2));
-        let corner = place(-0.44 + 0.17 * x, 0.27 - 0.19 * y, STAGE);
+        let corner = position(-0.44 + 0.17 * x, 0.27 - 0.19 * y, STAGE);
         Board::plain(corner, Vec2::new(0.15, 0.17) * SHOWN, lit([0.5; 3]))
     };
     let corner = Vec3::new(-20_000.0, 20_000.0, 12_000.0);

@@ -48,9 +48,9 @@ fn painted(number: &str, colour: Vec3, band: Option<Vec3>) -> Paint {
     let right = forward.cross(Vec3::Y).normalize();
     let up = forward.cross(right);
     Arc::new(move |at| {
-        let place = Vec2::new(at.dot(right), at.dot(up)) / 0.72;
+        let position = Vec2::new(at.dot(right), at.dot(up)) / 0.72;
         match band {
-            _ if at.dot(forward) > 0.0 && place.length() < 0.5 => print.colour((place + 0.5) * SIDE),
+            _ if at.dot(forward) > 0.0 && position.length() < 0.5 => print.colour((position + 0.5) * SIDE),
             Some(band) if at.y.abs() < 0.55 => band,
             _ => colour,
         }

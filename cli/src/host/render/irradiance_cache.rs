@@ -1,6 +1,6 @@
-//! A table of the light that reaches a scene at rest by way of its surfaces, its windows and its sky.
+//! An irradiance cache: a table of the light that a scene at rest receives from its surfaces, its windows and its sky.
 //!
-//! A matte surface's reflection of that light changes slowly from place to place, but a single path samples it by
+//! A matte surface's reflection of that light changes slowly from point to point, but a single path samples it by
 //! chance: it is three fifths of the variance of a path tracer's picture, most of it from windows that one ray in
 //! twenty meets. The light is therefore gathered once for a small part of a surface (G. J. Ward, F. M. Rubinstein and
 //! R. D. Clear, "A Ray Tracing Solution for Diffuse Interreflection", SIGGRAPH 1988), by hundreds of rays with well
@@ -13,8 +13,9 @@
 //! part is gathered on first use. For the normal **n** of a point nearby the irradiance is **n · V**, with the vector
 //! **V** = ∫ L **ω** dω over the half space before the gathering point. For that point's own normal it is the
 //! irradiance, and its derivative is the irradiance's (G. J. Ward and P. S. Heckbert, "Irradiance Gradients", EGWR
-//! 1992). A point looks up the part at a random place up to half a cell beside it, so the mean over samples is linear
-//! between cells. If the line meets no surface of that kind, the part does not exist, and paths sample the light.
+//! 1992). A point looks up the part at a random position up to half a cell beside it, so the mean over samples is
+//! linear between cells. If the line meets no surface of that kind, the part does not exist, and paths sample the
+//! light.
 
 use super::lamplight::START;
 use super::shade::ShadingSample;
@@ -59,7 +60,7 @@ type Irradiance = [Vec3; 3];
 type Shard = RwLock<HashMap<Part, Option<Irradiance>>>;
 
 /// A table that is filled on demand.
-pub struct Gathered {
+pub struct IrradianceCache {
     eye: Vec3,
     rays: u32,
     seed: u64,
@@ -67,7 +68,7 @@ pub struct Gathered {
     choose: RandomState,
 }
 
-impl Gathered {
+impl IrradianceCache {
     /// Makes an empty table for a camera at `eye`, and a picture of this number of samples.
     pub fn new(eye: Vec3, samples: u64, seed: u64) -> Self {
         let rays = (samples / SAMPLES).clamp(FEWEST, MOST).next_power_of_two() as u32;
@@ -80,8 +81,8 @@ impl Gathered {
         }
     }
 
-    /// Returns the irradiance at a point of a surface with this normal; `aside` selects the place in the cells around
-    /// it. `nearest` finds the surface that a ray meets, `radiance` the light along a ray that starts at one.
+    /// Returns the irradiance at a point of a surface with this normal; `aside` selects the position in the cells
+    /// around it. `nearest` finds the surface that a ray meets, `radiance` the light along a ray that starts at one.
     pub fn irradiance(
         &self,
         point: Vec3,
@@ -94,9 +95,9 @@ impl Gathered {
         let side = level.exp2();
         let (across, up) = normal.any_orthonormal_pair();
         let beside = point + side * ((aside[0] - 0.5) * across + (aside[1] - 0.5) * up);
-        let part = |place: Vec3| Part {
+        let part = |position: Vec3| Part {
             level: level as i32,
-            cell: (place / side).floor().as_ivec3(),
+            cell: (position / side).floor().as_ivec3(),
             cone: cone(normal),
         };
         let (other, own) = (part(beside), part(point));
@@ -229,7 +230,7 @@ mod tests {
     #[test]
     fn a_ball_is_lit_as_the_closed_form_has_it() {
         let ball = Sphere::resting(Vec3::new(0.0, 0.0, 500.0), 60.0);
-        let gathered = Gathered::new(Vec3::ZERO, u64::MAX, 3);
+        let cache = IrradianceCache::new(Vec3::ZERO, u64::MAX, 3);
         let mut worst: f32 = 0.0;
         for index in 0..400_u16 {
             let [u, v, a, b] = [0.754_877_7, 0.569_840_3, 0.819_172_5, 0.671_043_6]
@@ -240,7 +241,7 @@ mod tests {
             let normal = Vec3::new(level * cos, height, level * sin);
             let nearest = |ray: &Ray| ball.intersect(ray, 0.0, f32::INFINITY);
             let light = |ray: &Ray, _: ShadingSample| Vec3::splat(1.0 + ray.direction.x);
-            let found = gathered.irradiance(ball.centre + 60.0 * normal, normal, [a, b], nearest, light);
+            let found = cache.irradiance(ball.centre + 60.0 * normal, normal, [a, b], nearest, light);
             // Over the half space the first term integrates to π, the second to 2π/3 times the cosine.
             let expected = PI + TAU / 3.0 * normal.x;
             worst = worst.max((found.unwrap().x / expected - 1.0).abs());

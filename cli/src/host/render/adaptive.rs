@@ -9,8 +9,8 @@
 //! pixels share their samples (C. Soler, K. Subr, F. Durand, N. Holzschuch and F. Sillion, "Fourier Depth of Field",
 //! *ACM Transactions on Graphics* 28(2), 2009). A pixel shows the mean over a square around it, if the blur of every
 //! sample in the square is at least [`PARTS`] times its side. Edges become wider by at most a twelfth. The light of
-//! emitters connected to the lens ([`super::bulbs`]) is shared, too. Objects in focus are not smoothed, whatever their
-//! noise.
+//! emitters connected to the lens ([`super::emitters`]) is shared, too. Objects in focus are not smoothed, whatever
+//! their noise.
 //!
 //! **The blur.** The camera's rays determine it: it is the ratio of the width of a pixel's beam at the object's
 //! distance to the distance between neighbouring pixels' beams. A block of pixels uses one beam of 16 rays and those of
@@ -36,14 +36,14 @@ pub const REACH: u32 = 4;
 const GRID: u16 = 4;
 /// Pixels between compared beams.
 const STEP: u32 = 8;
-/// Power mean that approximates the least of the blurs.
+/// Exponent of the power mean that approximates the least blur.
 const POWER: i32 = -8;
 /// Bounds of a blur, pixels, whose powers are finite.
 const BLURS: [f32; 2] = [0.1, 1e4];
 
 /// Data for the visibility of a pixel's noise.
 #[derive(Clone, Copy, Debug)]
-pub struct Spread<'a> {
+pub struct AdaptiveSampling<'a> {
     /// Tone curve with which the picture is displayed.
     pub tone: Tone,
     /// Light that is added before pixels share: a picture of the same part.
@@ -55,7 +55,7 @@ pub struct Spread<'a> {
 }
 
 /// The integrand of the samples.
-pub trait View: Integrand<3> {
+pub trait AdaptiveIntegrand: Integrand<3> {
     /// Makes samples placed from now on follow `before` others of their pixels.
     fn follow(&mut self, before: usize);
 
@@ -66,7 +66,7 @@ pub trait View: Integrand<3> {
 /// Part of a picture: the mean of every pixel's samples, its blur in pixels, and the tally of samples.
 pub type Sampled = (Vec<[f64; 3]>, Vec<f32>, Tally);
 
-impl Spread<'_> {
+impl AdaptiveSampling<'_> {
     /// Samples a window, which lies in a block of pixels with the same blur.
     ///
     /// # Errors
@@ -74,7 +74,7 @@ impl Spread<'_> {
     pub fn render<E>(
         &self,
         camera: impl Fn(Rays<'_>) -> Result<(), E>,
-        view: &mut impl View,
+        view: &mut impl AdaptiveIntegrand,
         window: Window,
         block: Window,
         spp: u32,
@@ -94,21 +94,21 @@ impl Spread<'_> {
         for (y, x) in (top..top + height).flat_map(|y| (left..left + width).map(move |x| (y, x))) {
             let neighbours = (y.max(1) - 1..(y + 2).min(high[1]))
                 .flat_map(|row| (x.max(1) - 1..(x + 2).min(high[0])).map(move |column| (column, row)))
-                .filter(|place| *place != (x, y));
+                .filter(|neighbour| *neighbour != (x, y));
             let [column, row] = [x - self.corner[0], y - self.corner[1]];
             let beside = self.beside.pixels[(row * self.beside.size[0] + column) as usize];
             let deviation = self.deviation(neighbours.map(|(x, y)| at(x, y)), beside);
-            let wanted = (deviation / DEVIATION).min(MOST) * spp as f32;
+            let target = (deviation / DEVIATION).min(MOST) * spp as f32;
             let own = at(x, y);
             blurs.push(least_blur(own));
             let own = [own[0], own[1], own[2]];
-            let more = (wanted as u32).saturating_sub(first);
+            let more = (target as u32).saturating_sub(first);
             if more == 0 {
                 pixels.push(own);
                 continue;
             }
-            let place = Window { corner: [x, y], size: [1, 1] };
-            let (others, rays) = render::render(&camera, view, place, more as usize)?;
+            let pixel = Window { corner: [x, y], size: [1, 1] };
+            let (others, rays) = render::render(&camera, view, pixel, more as usize)?;
             tally.add(&rays);
             let share = f64::from(first) / f64::from(first + more);
             pixels.push([0, 1, 2].map(|colour| share * own[colour] + (1.0 - share) * others[0][colour]));
@@ -142,17 +142,17 @@ impl Spread<'_> {
         let middle = [0, 1].map(|axis| (block.corner[axis] + block.size[axis] / 2).min(self.whole[axis] - 1));
         // The other pixels lie toward the middle of the picture, where there are pixels.
         let aside = |axis: usize| {
-            let mut place = middle;
-            place[axis] = if 2 * middle[axis] < self.whole[axis] {
+            let mut pixel = middle;
+            pixel[axis] = if 2 * middle[axis] < self.whole[axis] {
                 middle[axis] + STEP
             } else {
                 middle[axis].saturating_sub(STEP)
             };
-            place
+            pixel
         };
-        let places = [middle, aside(0), aside(1)];
+        let beam_pixels = [middle, aside(0), aside(1)];
         let grid = |number: u16| (f32::from(number) + 0.5) / f32::from(GRID);
-        let samples: Vec<realistic_sample> = places
+        let samples: Vec<realistic_sample> = beam_pixels
             .into_iter()
             .flat_map(|[x, y]| {
                 (0..GRID * GRID).map(move |number| realistic_sample {
@@ -201,7 +201,7 @@ pub fn shared(picture: &Picture, blurs: &[f32]) -> Picture {
             })
         };
         // A larger square has more pixels that may be too sharp for it.
-        let fits = |wanted: &u32| square(*wanted as usize).all(|other| reach(blurs[other]) >= *wanted);
+        let fits = |radius: &u32| square(*radius as usize).all(|other| reach(blurs[other]) >= *radius);
         let reach = (1..=reach(blurs[index])).take_while(fits).last().unwrap_or(0);
         let (count, sum) = square(reach as usize).fold((0.0, Vec3::ZERO), |(count, sum), other| {
             (count + 1.0, sum + Vec3::from(picture.pixels[other]))
@@ -292,7 +292,7 @@ struct Pilot<'v, V> {
     beam: Beam,
 }
 
-impl<V: View> Integrand<8> for Pilot<'_, V> {
+impl<V: AdaptiveIntegrand> Integrand<8> for Pilot<'_, V> {
     fn place(&mut self, pixel: [u32; 2], first: usize, samples: &mut [realistic_sample]) {
         self.view.place(pixel, first, samples);
     }
@@ -332,13 +332,13 @@ mod tests {
         scene
     }
 
-    fn settings<'a>(seed: u64, spp: u32, spread: Option<Spread<'a>>) -> Settings<'a> {
-        Settings { spread, ..Settings::plain(SIZE, spp, seed) }
+    fn settings<'a>(seed: u64, spp: u32, adaptive: Option<AdaptiveSampling<'a>>) -> Settings<'a> {
+        Settings { adaptive, ..Settings::plain(SIZE, spp, seed) }
     }
 
-    fn spread(beside: &Picture) -> Spread<'_> {
+    fn adaptive(beside: &Picture) -> AdaptiveSampling<'_> {
         let tone = Tone { scale: 20.0, curve: Curve::Film };
-        Spread { tone, beside, corner: [0; 2], whole: SIZE }
+        AdaptiveSampling { tone, beside, corner: [0; 2], whole: SIZE }
     }
 
     #[test]
@@ -348,13 +348,13 @@ mod tests {
         let taken =
             |settings: &Settings<'_>| render(|rays| camera.rays(rays), &scene, settings, &hidden).unwrap().0;
         let plain = pictures(|seed| taken(&settings(seed, 64, None)));
-        let spread = pictures(|seed| taken(&settings(seed, 64, Some(spread(&beside)))));
+        let adaptive = pictures(|seed| taken(&settings(seed, 64, Some(adaptive(&beside)))));
         let sum = |all: &[[f64; 2]]| all.iter().map(|[mean, _]| mean).sum::<f64>();
-        assert!((sum(&spread) / sum(&plain) - 1.0).abs() < 0.02, "{} {}", sum(&spread), sum(&plain));
+        assert!((sum(&adaptive) / sum(&plain) - 1.0).abs() < 0.02, "{} {}", sum(&adaptive), sum(&plain));
         let noise =
             |all: &[[f64; 2]]| all.iter().map(|[_, square]| square * f64::from(PICTURES)).sum::<f64>();
-        eprintln!("{} {} {}", sum(&spread) / sum(&plain), noise(&spread), noise(&plain));
-        assert!(noise(&spread) < noise(&plain));
+        eprintln!("{} {} {}", sum(&adaptive) / sum(&plain), noise(&adaptive), noise(&plain));
+        assert!(noise(&adaptive) < noise(&plain));
     }
 
     #[test]
@@ -362,8 +362,8 @@ mod tests {
         let (camera, scene, hidden) = (Linked::new(SIZE, 720.0), scene(), ProgressBar::hidden());
         let picture = |threads: usize, corner: [u32; 2], size: [u32; 2]| {
             let beside = Picture::plain(size, [0.01; 3]);
-            let spread = Some(Spread { corner, ..spread(&beside) });
-            let settings = Settings { size, corner, ..settings(3, 16, spread) };
+            let adaptive = Some(AdaptiveSampling { corner, ..adaptive(&beside) });
+            let settings = Settings { size, corner, ..settings(3, 16, adaptive) };
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| render(|rays| camera.rays(rays), &scene, &settings, &hidden)).unwrap().0
         };
@@ -393,7 +393,7 @@ mod tests {
             }
         }
         let beam = Beam::of(&rays, &vec![1.0; rays.len()]);
-        // Four places 10 apart have a standard deviation of 5 √5.
+        // Four points 10 apart have a standard deviation of 5 √5.
         for distance in [250.0_f32, 1000.0, 5000.0] {
             let shift = 0.01 * distance / FOCUS;
             let expected = 4.0 * 125.0_f32.sqrt() * (distance / FOCUS - 1.0).abs() / shift;

@@ -11,7 +11,7 @@
 
 use super::dusk::{Dusk, EmitterPoint};
 use super::renderer::Settings;
-use crate::host::plugin::{Connections, Places, PluginError};
+use crate::host::plugin::{Connections, PluginError, ScenePoints};
 use crate::host::scene::shapes::Ray;
 use crate::image::Picture;
 use glam::{DVec2, DVec3, Vec3};
@@ -42,7 +42,7 @@ const MOST: f64 = 4_194_304.0;
 const BATCH: usize = 4096;
 
 /// Irradiance on a rectangle of the film.
-struct Spot {
+struct EmitterImage {
     corner: [u32; 2],
     width: u32,
     values: Vec<DVec3>,
@@ -63,7 +63,7 @@ struct Points {
 
 /// An emitter that is connected to the camera.
 #[derive(Clone, Copy, Debug)]
-pub struct Plan {
+pub struct EmitterPlan {
     /// Index of the emitter.
     pub emitter: usize,
     points: Points,
@@ -72,7 +72,7 @@ pub struct Plan {
 }
 
 /// The whole picture of the emitters alone, for a camera at `eye`.
-pub struct Bulbs<'a> {
+pub struct EmitterPicture<'a> {
     /// The scene.
     pub dusk: &'a Dusk<'a>,
     /// Render settings. The picture covers the part given by `corner` and `size`.
@@ -85,15 +85,15 @@ pub struct Bulbs<'a> {
     pub eye: Vec3,
 }
 
-impl Bulbs<'_> {
+impl EmitterPicture<'_> {
     /// Chooses the emitters to connect, the same for all parts of a picture.
     ///
     /// # Errors
     /// The camera's error.
     pub fn plan(
         &self,
-        camera: impl Fn(&Places, &mut Connections) -> Result<(), PluginError> + Sync,
-    ) -> Result<Vec<Plan>, PluginError> {
+        camera: impl Fn(&ScenePoints, &mut Connections) -> Result<(), PluginError> + Sync,
+    ) -> Result<Vec<EmitterPlan>, PluginError> {
         let all = 0..self.dusk.emitters().len();
         let plans = all.into_par_iter().filter_map(|emitter| self.plan_one(emitter, &camera).transpose());
         plans.collect()
@@ -102,8 +102,8 @@ impl Bulbs<'_> {
     fn plan_one(
         &self,
         emitter: usize,
-        camera: impl Fn(&Places, &mut Connections) -> Result<(), PluginError>,
-    ) -> Result<Option<Plan>, PluginError> {
+        camera: impl Fn(&ScenePoints, &mut Connections) -> Result<(), PluginError>,
+    ) -> Result<Option<EmitterPlan>, PluginError> {
         let seed = self.settings.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ (emitter as u64) << 40;
         let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
         let mut points = |samples: u32, lens| Points { emitter, samples, seed: random.next_u32(), lens };
@@ -129,7 +129,7 @@ impl Bulbs<'_> {
         let samples = DENSITY * f64::from(self.settings.spp) * (1.0 + area) * f64::from(PILOT)
             / (count.max(1.0) * square.max(1.0));
         let samples = if count == 0.0 { FEWEST } else { samples.clamp(FEWEST, MOST) } as u32;
-        Ok(Some(Plan { emitter, points: points(samples, None), side: square.sqrt() }))
+        Ok(Some(EmitterPlan { emitter, points: points(samples, None), side: square.sqrt() }))
     }
 
     /// Renders the picture. A part of it has the same bits as in the whole.
@@ -138,8 +138,8 @@ impl Bulbs<'_> {
     /// The camera's error.
     pub fn take(
         &self,
-        plans: &[Plan],
-        camera: impl Fn(&Places, &mut Connections) -> Result<(), PluginError> + Sync,
+        plans: &[EmitterPlan],
+        camera: impl Fn(&ScenePoints, &mut Connections) -> Result<(), PluginError> + Sync,
     ) -> Result<(Picture, Tally), PluginError> {
         let Settings { size: [width, height], corner: [left, top], .. } = *self.settings;
         let mut picture = Picture::plain([width, height], [0.0; 3]);
@@ -162,13 +162,13 @@ impl Bulbs<'_> {
     /// Renders an emitter's image.
     fn spot(
         &self,
-        plan: &Plan,
-        camera: impl Fn(&Places, &mut Connections) -> Result<(), PluginError>,
-    ) -> Result<(Spot, Tally), PluginError> {
+        plan: &EmitterPlan,
+        camera: impl Fn(&ScenePoints, &mut Connections) -> Result<(), PluginError>,
+    ) -> Result<(EmitterImage, Tally), PluginError> {
         let mut tally = Tally::default();
         let mut found = Vec::with_capacity(plan.points.samples as usize);
         self.join(plan.points, &camera, &mut tally, |at, light| found.push((at, light)))?;
-        // Range of pixels that the square around a place overlaps, without the last one.
+        // Range of pixels that the square around a film point overlaps; its end is exclusive.
         let reach = |at: f64, axis: usize| {
             let [from, to] = [at - 0.5 * plan.side, at + 0.5 * plan.side];
             let last = self.whole[axis] - 1;
@@ -179,7 +179,7 @@ impl Bulbs<'_> {
         };
         let (low, high) = (bound(u32::min, 0, u32::MAX), bound(u32::max, 1, 0));
         if found.is_empty() {
-            return Ok((Spot { corner: [0; 2], width: 0, values: Vec::new() }, tally));
+            return Ok((EmitterImage { corner: [0; 2], width: 0, values: Vec::new() }, tally));
         }
         let [width, height] = [0, 1].map(|axis| high[axis] - low[axis]);
         let mut values = vec![DVec3::ZERO; (width * height) as usize];
@@ -202,15 +202,14 @@ impl Bulbs<'_> {
                 }
             }
         }
-        Ok((Spot { corner: low, width, values }, tally))
+        Ok((EmitterImage { corner: low, width, values }, tally))
     }
 
-    /// Connects points of an emitter to the camera; `found` receives the place on film and the light of each visible
-    /// one.
+    /// Connects points of an emitter to the camera; `found` receives the film point and the light of each visible one.
     fn join(
         &self,
         Points { emitter, samples, seed, lens }: Points,
-        camera: impl Fn(&Places, &mut Connections) -> Result<(), PluginError>,
+        camera: impl Fn(&ScenePoints, &mut Connections) -> Result<(), PluginError>,
         tally: &mut Tally,
         mut found: impl FnMut(DVec2, Vec3),
     ) -> Result<(), PluginError> {
@@ -225,12 +224,12 @@ impl Bulbs<'_> {
         let [open, close] = self.shutter;
         let mut connections = Connections::default();
         for (numbers, times) in numbers.chunks(BATCH).zip(times.chunks(BATCH)) {
-            let mut places = Places::default();
+            let mut scene_points = ScenePoints::default();
             let mut points = Vec::with_capacity(numbers.len());
             for ([lens_u, lens_v, u, v], time) in numbers.iter().zip(times) {
                 let point = emitter.point(self.eye, [*u, *v]);
                 let time = open + (close - open) * time;
-                places.push(
+                scene_points.push(
                     (point.point * units_per_mm).to_array(),
                     lens.unwrap_or([*lens_u, *lens_v]),
                     time,
@@ -238,7 +237,7 @@ impl Bulbs<'_> {
                 points.push(point);
             }
             let start = Instant::now();
-            camera(&places, &mut connections)?;
+            camera(&scene_points, &mut connections)?;
             tally.in_camera += start.elapsed();
             tally.rays += points.len() as u64;
             for (i, EmitterPoint { point, normal, radiance, density }) in points.into_iter().enumerate() {
@@ -248,7 +247,7 @@ impl Bulbs<'_> {
                     continue;
                 }
                 tally.passed += 1;
-                let ray = Ray { origin: point, direction, time: places.time(i) };
+                let ray = Ray { origin: point, direction, time: scene_points.time(i) };
                 let front = Vec3::from_array(connections.origin(i)) / units_per_mm;
                 if self.dusk.hides(&ray, (front - point).length()) {
                     continue;
@@ -268,7 +267,7 @@ mod tests {
     use super::super::linked::{Linked, pictures};
     use super::super::render;
     use super::*;
-    use crate::host::scene::solids::{Block, Form, Look};
+    use crate::host::scene::solids::{Appearance, Block, Form};
     use crate::host::scene::{Finish, Material, Pane, Scene, chess};
     use glam::Vec2;
     use indicatif::ProgressBar;
@@ -283,8 +282,9 @@ mod tests {
     fn emitters(camera: &Linked, scene: &Scene, settings: &Settings<'_>) -> (Picture, Vec<usize>) {
         let dusk = Dusk::of(scene, &[]);
         let eye = [3, 7, 11].map(|at| scene.pose[at]).into();
-        let bulbs = Bulbs { dusk: &dusk, settings, whole: SIZE, shutter: [0.0, 1.0], eye };
-        let joined = |places: &Places, found: &mut Connections| camera.connect(places, found);
+        let bulbs = EmitterPicture { dusk: &dusk, settings, whole: SIZE, shutter: [0.0, 1.0], eye };
+        let joined =
+            |scene_points: &ScenePoints, found: &mut Connections| camera.connect(scene_points, found);
         let plans = bulbs.plan(joined).unwrap();
         (bulbs.take(&plans, joined).unwrap().0, plans.iter().map(|plan| plan.emitter).collect())
     }
@@ -316,13 +316,13 @@ mod tests {
             })
             .collect();
         let block = Block { centre: CENTRE, half: HALF, turn: Vec2::X };
-        let solids = [(Form::Block(block), Look::Painted(wall))].into_iter();
+        let solids = [(Form::Block(block), Appearance::Painted(wall))].into_iter();
         scene.solids = std::sync::Arc::new(solids.collect());
         scene.panes = vec![Pane {
             corner: CENTRE - HALF,
             sides: [2.0 * HALF.x * Vec3::X, 2.0 * HALF.y * Vec3::Y],
             normal: Vec3::NEG_Z,
-            look: wall,
+            material_at: wall,
         }];
         scene.pose = crate::host::scene::LEVEL;
         scene

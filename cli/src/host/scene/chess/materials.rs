@@ -1,4 +1,4 @@
-//! Materials of the objects in the street: patterns by formula over the place, mm.
+//! Materials of the objects in the street: patterns by formula over the position, mm.
 
 use super::board::{SQUARE, on_board};
 use crate::host::scene::noise::{hash, value};
@@ -15,23 +15,23 @@ fn mix(a: [f32; 3], b: [f32; 3], part: f32) -> Vec3 {
     Vec3::from(a).lerp(Vec3::from(b), part.clamp(0.0, 1.0))
 }
 
-/// Returns the grain of wood along the first axis of a place: 0 to 1.
-fn grain(place: Vec3) -> f32 {
-    let bend = 9.0 * value(place * Vec3::new(0.004, 0.02, 0.02));
-    let rings = value(Vec3::new(place.x * 0.006, place.y * 0.05, place.z * 0.22 + bend));
-    let fibres = value(Vec3::new(place.x * 0.03, place.y * 0.6, place.z * 1.7));
+/// Returns the grain of wood at a position, along the first axis: 0 to 1.
+fn grain(position: Vec3) -> f32 {
+    let bend = 9.0 * value(position * Vec3::new(0.004, 0.02, 0.02));
+    let rings = value(Vec3::new(position.x * 0.006, position.y * 0.05, position.z * 0.22 + bend));
+    let fibres = value(Vec3::new(position.x * 0.03, position.y * 0.6, position.z * 1.7));
     0.7 * rings + 0.3 * fibres
 }
 
 /// The chequered top of the board, framed.
 pub fn board(point: Vec3, normal: Vec3) -> Material {
-    let place = on_board(point) / SQUARE;
-    let inside = place.x.abs().max(place.y.abs()) < 4.0;
-    let cell = place.floor();
+    let position = on_board(point) / SQUARE;
+    let inside = position.x.abs().max(position.y.abs()) < 4.0;
+    let cell = position.floor();
     let odd = (cell.x + cell.y).rem_euclid(2.0) > 0.5;
     let seed = 300.0 * hash(cell.x as i32, cell.y as i32, 5);
-    let texture = grain(Vec3::new(place.x * SQUARE + seed, seed, place.y * SQUARE));
-    let line = (place.x.abs().max(place.y.abs()) - 4.16).abs() < 0.02;
+    let texture = grain(Vec3::new(position.x * SQUARE + seed, seed, position.y * SQUARE));
+    let line = (position.x.abs().max(position.y.abs()) - 4.16).abs() < 0.02;
     let colour = if normal.y < 0.5 || (!inside && !line) {
         mix([0.085, 0.032, 0.014], [0.16, 0.065, 0.026], texture)
     } else if line || !odd {
@@ -76,7 +76,7 @@ const BAY: f32 = 1900.0;
 const STOREY: f32 = 3100.0;
 /// Storeys over the shops.
 const STOREYS: u8 = 4;
-/// Place of the window in a bay, and of the shop's window in a house: along the front, and up.
+/// Position of the window in a bay, and of the shop's window in a house: along the front, and up.
 const WINDOW: [Range<f32>; 2] = [480.0..1420.0, 750.0..2500.0];
 const DISPLAY: [Range<f32>; 2] = [500.0..5200.0, 450.0..2600.0];
 
@@ -118,7 +118,7 @@ pub fn windows(block: &Block) -> Vec<Pane> {
                     corner: middle + offset.x * across + offset.y * Vec3::Y,
                     sides: [size.x * across, size.y * Vec3::Y],
                     normal,
-                    look: houses,
+                    material_at: houses,
                 });
             }
         };
