@@ -251,6 +251,21 @@ typedef struct realistic_options {
     double blade_curvature;
     // Parameter `film_diagonal`: diagonal of the film: positive, in mm; default 35.
     double film_diagonal;
+    // Parameter `film_shift_x`: shift of the film from the axis toward image right; the picture shows more of
+    // what lies on the left: from -1e15 to 1e15 mm; default 0.
+    double film_shift_x;
+    // Parameter `film_shift_y`: shift of the film from the axis toward image up; the picture shows more of what
+    // lies below: from -1e15 to 1e15 mm; default 0.
+    double film_shift_y;
+    // Parameter `film_tilt_x`: tilt of the film about its own x axis, after the shift; turns the film's normal
+    // from the axis toward image down: from -80 to 80 degrees; default 0.
+    double film_tilt_x;
+    // Parameter `film_tilt_y`: tilt of the film about its own y axis, after that about x; turns the film's
+    // normal from the axis toward image right: from -80 to 80 degrees; default 0.
+    double film_tilt_y;
+    // Parameter `film_curvature_radius`: radius of a film that is curved like a sphere, positive with the
+    // centre behind the film; the raster is projected along the film's axis: a number, in mm; default flat.
+    double film_curvature_radius;
     // Parameter `hither`: distance along a ray at which it begins: 0 or more and finite, in units of camera
     // space; default 1e-3.
     double hither;
@@ -268,6 +283,18 @@ typedef struct realistic_options {
     // Parameter `simple_weighting`: pbrt-v3's name for `weighting`, true for "relative" and false for
     // "radiometric".
     int32_t simple_weighting;
+    // Parameter `iso`: sensitivity of the film, a factor of iso/100 of radiometric weights: positive; default
+    // 100, if another of the exposure is given.
+    double iso;
+    // Parameter `exposure_time`: time for which the film is exposed, a factor of radiometric weights; does not
+    // depend on the shutter's times: positive, in s; default 1, if another of the exposure is given.
+    double exposure_time;
+    // Parameter `exposure`: exposure compensation, a factor of 2 to this power of radiometric weights: from
+    // -100 to 100 stops; default 0, if another of the exposure is given.
+    double exposure;
+    // Parameter `responsivity`: response of the film to light, a factor of radiometric weights: positive;
+    // default 1, if another of the exposure is given.
+    double responsivity;
     // Parameter `transmission`: transmission of the surfaces, as a factor of every weight: 1, or that of
     // surfaces without a coating, with one, two or three layers for 550 nm between air and glass, or with the
     // coatings that the lens file names: "none", "bare", "quarter-wave", "v-coat", "three-layer" or "file";
@@ -652,6 +679,18 @@ typedef struct realistic_lens_surface {
     double aspheric[29];
 } realistic_lens_surface;
 
+// The film that is in focus on a plane. `realistic_lens_plane_of_focus` fills it.
+typedef struct realistic_focused_film {
+    // `sizeof(realistic_focused_film)`.
+    uint32_t struct_size;
+    // Last vertex to the film's centre, mm: the parameter of this name.
+    double film_distance;
+    // Tilt about x, degrees: the parameter of this name.
+    double film_tilt_x;
+    // Tilt about y, degrees: the parameter of this name.
+    double film_tilt_y;
+} realistic_focused_film;
+
 // Array of vectors in double precision that a call reads and overwrites, laid out as `realistic_output`.
 typedef struct realistic_vectors {
     // The first element's x.
@@ -834,6 +873,14 @@ realistic_status realistic_lens_focus(const struct realistic_lens *lens,
 realistic_status realistic_lens_focused_on(const struct realistic_lens *lens,
                                            double film_distance,
                                            double *focus_distance_mm);
+
+// Finds the distance and the tilt of the film that brings the plane through three points of lens space into focus
+// (Scheimpflug's rule). `points` are x, y, z of each, nine numbers in mm, z toward the scene. The tilt follows from
+// first-order optics, the distance on the axis from exact rays. Returns `REALISTIC_STATUS_UNREACHABLE_FOCUS`, with the
+// reason, if a point has no real image, the points define no plane, or the film would stand in the lens.
+realistic_status realistic_lens_plane_of_focus(const struct realistic_lens *lens,
+                                               const double *points,
+                                               struct realistic_focused_film *film);
 
 // Traces `n` rays through the lens from side `from` (`realistic_side`) and replaces each by the point where it leaves
 // the last surface and its unit direction there. A blocked ray ends on the last surface that it met, with the

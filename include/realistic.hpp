@@ -62,6 +62,7 @@ private:
     X(lens_get_name)                \
     X(lens_focus)                   \
     X(lens_focused_on)              \
+    X(lens_plane_of_focus)          \
     X(lens_trace)                   \
     X(catalogue)
 
@@ -458,6 +459,14 @@ public:
     /* Returns the distance in focus, mm from the film, for film `film_distance` behind the last vertex; NaN if no
      * object is in focus. */
     double focused_on(double film_distance) const { return conjugate(api_.lens_focused_on, film_distance); }
+
+    /* Returns the film that is in focus on the plane through three points (x, y, z) of lens space, mm. */
+    realistic_focused_film plane_of_focus(const double (&points)[9]) const {
+        realistic_focused_film film;
+        film.struct_size = sizeof film;
+        api_.check(api_.lens_plane_of_focus(lens_.get(), points, &film));
+        return film;
+    }
 
     /* Traces `n` rays through the lens, in place; sets `struct_size` of `rays`. */
     void trace(realistic_side from, std::size_t n, realistic_lens_rays rays) const {

@@ -8,13 +8,12 @@ use realistic_camera::Parameters;
 use std::ffi::OsString;
 
 /// Other programs' words for flags that are not parameters of the library.
-const OTHER_WORDS: [(&str, &str); 7] = [
+const OTHER_WORDS: [(&str, &str); 6] = [
     ("samples", "spp"),
     ("samplesperpixel", "spp"),
     ("resolution", "size"),
     ("output", "out"),
-    ("iso", "exposure"),
-    ("ev", "exposure"),
+    ("ev", "compensation"),
     ("jobs", "threads"),
 ];
 

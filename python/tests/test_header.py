@@ -38,6 +38,7 @@ STRUCTURES = {
     "realistic_zone": _abi.Zone,
     "realistic_lens_info": _abi.LensInfo,
     "realistic_lens_surface": _abi.LensSurface,
+    "realistic_focused_film": _abi.FocusedFilm,
     "realistic_lens_rays": _abi.LensRaysView,
     "realistic_lens_points": _abi.LensPointsView,
     "realistic_input": _abi.Input,

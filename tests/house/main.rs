@@ -15,11 +15,12 @@ use std::{
 /// Folders that are searched for `unsafe`.
 const SEARCHED: [&str; 4] = ["src", "crates", "cli/src", "lab/src"];
 /// Folders and files that may contain it; `refractions` reads the processor's clock.
-const UNSAFE: [&str; 8] = [
+const UNSAFE: [&str; 9] = [
     "cli/src/commands/refractions.rs",
     "cli/src/host/",
     "crates/camera/src/columns.rs",
     "crates/camera/src/rays.rs",
+    "crates/camera/src/samples.rs",
     "crates/simd/src/",
     "crates/trace/src/kernel/group.rs",
     "crates/trace/src/kernel/instances.rs",

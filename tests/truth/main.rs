@@ -24,6 +24,7 @@ mod moving;
 mod odd_samples;
 mod plan;
 mod planes;
+mod posed_film;
 mod pupil_everywhere;
 mod pupil_fit;
 mod refocus;

@@ -81,8 +81,8 @@ fn a_lens_is_piped_in_wherever_one_is_named() {
 #[test]
 fn an_exposure_that_is_no_number_is_refused() {
     for stops in ["nan", "inf", "-inf"] {
-        let stderr = fails(&["render", &format!("--exposure={stops}")], "", 2);
-        assert!(stderr.contains("--exposure") && stderr.contains("write a finite number"), "{stderr}");
+        let stderr = fails(&["render", &format!("--compensation={stops}")], "", 2);
+        assert!(stderr.contains("--compensation") && stderr.contains("write a finite number"), "{stderr}");
     }
 }
 

@@ -58,7 +58,7 @@ fn a_picture_made_of_tiles_is_the_whole_byte_for_byte() {
             "exr",
             &["--lens", "wide.22mm", "--param", "weighting=relative", "--scene", "day", "--effects", "all"],
         ),
-        ("png", &["--param", "tolerance=0.5", "--exposure", "0.5"]),
+        ("png", &["--param", "tolerance=0.5", "--compensation", "0.5"]),
         ("exr", &["--param", "tolerance=0.05", "--seed", "9", "--autofocus"]),
         ("exr", &["--lens", "dgauss.100mm", "--wavelengths", "3"]),
     ];
@@ -132,7 +132,7 @@ fn tiles_that_make_no_picture_are_refused_by_name() {
         ("50x34", "3", &["--lens", "wide.22mm"], &["lens", "\"dgauss.50mm\"", "\"wide.22mm\""]),
         ("50x34", "3", &["--param", "pupil=rear"], &["parameters", "pupil=rear"]),
         ("50x34", "3", &["--effects", "dof"], &["effects"]),
-        ("50x34", "3", &["--exposure", "1"], &["brightness"]),
+        ("50x34", "3", &["--compensation", "1"], &["brightness"]),
         ("50x34", "3", &["--wavelengths", "3"], &["wavelengths"]),
     ] {
         let right = ["render", "--size", size, "--spp", spp, "--crop", "25,0,50,34", "--out", "other.png"];

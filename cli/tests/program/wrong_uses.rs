@@ -22,7 +22,7 @@ const WRONG_USES: &[WrongUse] = &[
     (&["--aperture", "4"], 2, &["'--aperture'", "'--fnumber'"]),
     (&["render", "--Film_Distance", "40"], 2, &["'--film-distance'"]),
     (&["render", "--resolution", "6x4"], 2, &["'--size'"]),
-    (&["render", "--iso", "400"], 2, &["'--exposure'"]),
+    (&["render", "--ev", "1"], 2, &["'--compensation'"]),
     (&["render", "--param", "fstop=4"], 2, &["did you mean \"fnumber\""]),
     (&["render", "--screen-window", "-1,1,-1"], 2, &["\"screen_window\"", "four numbers", "-1,1,-1"]),
     (&["render", "--film-diagonal", "-inf"], 2, &["\"film_diagonal\" is -inf"]),
@@ -40,7 +40,7 @@ const WRONG_USES: &[WrongUse] = &[
     (&["render", "--size", "480"], 2, &["write WIDTHxHEIGHT in pixels", "480x320"]),
     (&["render", "--size", "480X320"], 2, &["write WIDTHxHEIGHT"]),
     (&["render", "--size", "0x320"], 2, &["each 1 to 16384"]),
-    (&["render", "--exposure", "bright"], 2, &["write a finite number"]),
+    (&["render", "--compensation", "bright"], 2, &["write a finite number"]),
     (&["render", "--wavelengths", "2"], 2, &["write a whole number from 3 to 256"]),
     (&["draw", "dgauss.50mm", "--rays", "0"], 2, &["write a whole number from 1 to 999"]),
     (
@@ -194,7 +194,7 @@ fn values_may_begin_with_a_minus() {
     for values in [
         &["--model", "perspective", "--screen-window", "-1,1,-1,1"][..],
         &["--shutter-open", "-1e-3"],
-        &["--exposure", "-.5"],
+        &["--compensation", "-.5"],
     ] {
         let arguments =
             [&["render", "--scene", "day", "--spp", "1", "--size", "6x4", "-o", "-"], values].concat();

@@ -31,6 +31,19 @@ pub fn check(options: &realistic_options, bytes: &mut Bytes<'_>) {
     for side in [0, 1] {
         rays(lens, side, bytes, &of_lens);
     }
+    let mut film = realistic_focused_film {
+        struct_size: size_of::<realistic_focused_film>() as u32,
+        film_distance: f64::NAN,
+        film_tilt_x: f64::NAN,
+        film_tilt_y: f64::NAN,
+    };
+    let points: [f64; 9] = std::array::from_fn(|_| f64::from(bytes.float(2000.0)));
+    // SAFETY: a live lens, nine numbers and a structure of its size.
+    let status = unsafe { realistic_lens_plane_of_focus(lens, points.as_ptr(), &mut film) };
+    assert!(
+        status != realistic_status::Ok || film.film_distance > 0.0 && film.film_tilt_x.is_finite(),
+        "{film:?} {of_lens:?}"
+    );
     let distances = [f64::INFINITY, bytes.number(), f64::from(bytes.float(1e4))];
     for distance in distances {
         for focus in [realistic_lens_focus, realistic_lens_focused_on] {

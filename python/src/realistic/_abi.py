@@ -119,6 +119,15 @@ class LensSurface(ctypes.Structure):
     ]
 
 
+class FocusedFilm(ctypes.Structure):
+    """`realistic_focused_film`: the film that is in focus on a plane."""
+
+    _fields_ = [
+        ("struct_size", c_uint32),
+        *[(name, c_double) for name in ("film_distance", "film_tilt_x", "film_tilt_y")],
+    ]
+
+
 _VIEW: list[tuple[str, Any]] = [*[(name, c_void_p) for name in ("x", "y", "z")], ("stride", c_ssize_t)]
 
 
@@ -237,6 +246,7 @@ FUNCTIONS = {
     "realistic_lens_get_name": (_STATUS, [c_void_p, c_char_p, c_size_t, POINTER(c_size_t)]),
     "realistic_lens_focus": (_STATUS, [c_void_p, c_double, POINTER(c_double)]),
     "realistic_lens_focused_on": (_STATUS, [c_void_p, c_double, POINTER(c_double)]),
+    "realistic_lens_plane_of_focus": (_STATUS, [c_void_p, POINTER(c_double), POINTER(FocusedFilm)]),
     "realistic_lens_trace": (
         _STATUS,
         [c_void_p, c_int32, c_size_t, POINTER(LensRaysView), POINTER(LensPointsView)],

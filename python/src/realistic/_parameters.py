@@ -50,6 +50,21 @@ class Parameters(TypedDict, total=False):
     1; default the lens file's, or 0."""
     film_diagonal: float | None
     """Diagonal of the film: positive, in mm; default 35."""
+    film_shift_x: float | None
+    """Shift of the film from the axis toward image right; the picture shows more of what lies on the left: from
+    -1e15 to 1e15 mm; default 0."""
+    film_shift_y: float | None
+    """Shift of the film from the axis toward image up; the picture shows more of what lies below: from -1e15 to
+    1e15 mm; default 0."""
+    film_tilt_x: float | None
+    """Tilt of the film about its own x axis, after the shift; turns the film's normal from the axis toward image
+    down: from -80 to 80 degrees; default 0."""
+    film_tilt_y: float | None
+    """Tilt of the film about its own y axis, after that about x; turns the film's normal from the axis toward image
+    right: from -80 to 80 degrees; default 0."""
+    film_curvature_radius: float | None
+    """Radius of a film that is curved like a sphere, positive with the centre behind the film; the raster is
+    projected along the film's axis: a number, in mm; default flat."""
     hither: float | None
     """Distance along a ray at which it begins: 0 or more and finite, in units of camera space; default 1e-3."""
     yon: float | None
@@ -63,6 +78,18 @@ class Parameters(TypedDict, total=False):
     """Definition of a ray's weight: "radiometric", "assignment", "relative" or "none"; default "radiometric"."""
     simple_weighting: bool | None
     """Pbrt-v3's name for `weighting`, true for "relative" and false for "radiometric"."""
+    iso: float | None
+    """Sensitivity of the film, a factor of iso/100 of radiometric weights: positive; default 100, if another of the
+    exposure is given."""
+    exposure_time: float | None
+    """Time for which the film is exposed, a factor of radiometric weights; does not depend on the shutter's times:
+    positive, in s; default 1, if another of the exposure is given."""
+    exposure: float | None
+    """Exposure compensation, a factor of 2 to this power of radiometric weights: from -100 to 100 stops; default 0,
+    if another of the exposure is given."""
+    responsivity: float | None
+    """Response of the film to light, a factor of radiometric weights: positive; default 1, if another of the
+    exposure is given."""
     transmission: Literal["none", "bare", "quarter-wave", "v-coat", "three-layer", "file"] | None
     """Transmission of the surfaces, as a factor of every weight: 1, or that of surfaces without a coating, with
     one, two or three layers for 550 nm between air and glass, or with the coatings that the lens file names:
@@ -131,12 +158,21 @@ MEMBERS: list[tuple[str, Any]] = [
     ("blade_rotation", c_double),
     ("blade_curvature", c_double),
     ("film_diagonal", c_double),
+    ("film_shift_x", c_double),
+    ("film_shift_y", c_double),
+    ("film_tilt_x", c_double),
+    ("film_tilt_y", c_double),
+    ("film_curvature_radius", c_double),
     ("hither", c_double),
     ("yon", c_double),
     ("shutter_open", c_double),
     ("shutter_close", c_double),
     ("weighting", c_char_p),
     ("simple_weighting", c_int32),
+    ("iso", c_double),
+    ("exposure_time", c_double),
+    ("exposure", c_double),
+    ("responsivity", c_double),
     ("transmission", c_char_p),
     ("ghosts", c_double),
     ("pupil", c_char_p),

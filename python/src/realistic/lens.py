@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ._abi import LensInfo, LensPointsView, LensRaysView, LensSurface, Vectors, library, text_of
+from ._abi import FocusedFilm, LensInfo, LensPointsView, LensRaysView, LensSurface, Vectors, library, text_of
 from ._ghosts import Ghost, ghosts
 from ._handle import Handle, build
 from .errors import check, warn
@@ -281,6 +281,37 @@ class Lens:
             )
         )
         return found.value
+
+    def plane_of_focus(self, points: ArrayLike) -> dict[str, float]:
+        """Returns the film that is in focus on a plane, by Scheimpflug's rule: the parameters `film_distance`,
+        `film_tilt_x` and `film_tilt_y` of a `Camera`.
+
+        The tilt follows from first-order optics, the distance on the axis from exact rays.
+
+        Parameters
+        ----------
+        points : array_like (3, 3)
+            Three points of the plane in lens space, mm.
+
+        Raises
+        ------
+        realistic.FocusError
+            If a point has no real image, the points define no plane, or the film would stand in the lens.
+
+        Examples
+        --------
+        >>> lens = realistic.Lens("dgauss.50mm")
+        >>> film = lens.plane_of_focus([[0, -100, 800], [0, 100, 1200], [100, 0, 1000]])
+        >>> round(film["film_tilt_x"], 2)
+        -1.46
+        """
+        given = np.asarray(points)
+        if given.shape != (3, 3) or not np.can_cast(given.dtype, np.float64, "same_kind"):
+            raise ValueError(f"points must be three points (x, y, z), and has shape {given.shape}, dtype {given.dtype}")
+        numbers = (ctypes.c_double * 9)(*given.astype(np.float64).ravel())
+        film = FocusedFilm(struct_size=ctypes.sizeof(FocusedFilm))
+        check(library.realistic_lens_plane_of_focus(self._handle.pointer, numbers, ctypes.byref(film)))
+        return {name: float(getattr(film, name)) for name in ("film_distance", "film_tilt_x", "film_tilt_y")}
 
     def ghosts(self, light: Sequence[float] = (0.0, 0.0), *, coating: str = "quarter-wave") -> tuple[Ghost, ...]:
         """Returns the ghosts of a lamp, light that two surfaces reflect, on film focused at infinity; the brightest

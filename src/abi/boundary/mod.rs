@@ -256,6 +256,9 @@ impl From<CameraError> for Failure {
             | CameraError::NoBlades { .. }
             | CameraError::NoCoatings { .. }
             | CameraError::NothingReflects { .. }
+            | CameraError::GhostsOnPosedFilm
+            | CameraError::FilmCurvature { .. }
+            | CameraError::Exposure { .. }
             | CameraError::NoStopForBlades { .. }
             | CameraError::Transform(_)
             | CameraError::Raster { .. } => realistic_status::InvalidParameter,

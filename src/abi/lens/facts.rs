@@ -12,7 +12,8 @@ use super::{
 use ::realistic_camera::CameraError;
 use realistic_light::{Surfaces, TStop};
 use realistic_optics::{
-    imaging::{axial_beam::AxialBeam, focus::Focus},
+    imaging::{axial_beam::AxialBeam, focus::Focus, plane_of_focus::FocusedFilm},
+    lens::first_order::FirstOrder,
     prescription::{Asphere, Coating, NO_TERMS},
 };
 
@@ -239,6 +240,51 @@ pub unsafe extern "C" fn realistic_lens_focused_on(
         let found = focus.object_distance(film_distance).unwrap_or(f64::NAN);
         // SAFETY: the caller's promise.
         unsafe { give_distance(focus_distance_mm, "focus_distance_mm", found) }
+    })
+}
+
+/// The film that is in focus on a plane. `realistic_lens_plane_of_focus` fills it.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+#[allow(non_camel_case_types)]
+pub struct realistic_focused_film {
+    /// `sizeof(realistic_focused_film)`.
+    pub struct_size: u32,
+    /// Last vertex to the film's centre, mm: the parameter of this name.
+    pub film_distance: f64,
+    /// Tilt about x, degrees: the parameter of this name.
+    pub film_tilt_x: f64,
+    /// Tilt about y, degrees: the parameter of this name.
+    pub film_tilt_y: f64,
+}
+
+/// Finds the distance and the tilt of the film that brings the plane through three points of lens space into focus
+/// (Scheimpflug's rule). `points` are x, y, z of each, nine numbers in mm, z toward the scene. The tilt follows from
+/// first-order optics, the distance on the axis from exact rays. Returns `REALISTIC_STATUS_UNREACHABLE_FOCUS`, with the
+/// reason, if a point has no real image, the points define no plane, or the film would stand in the lens.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn realistic_lens_plane_of_focus(
+    lens: *const realistic_lens,
+    points: *const f64,
+    film: *mut realistic_focused_film,
+) -> realistic_status {
+    boundary::status(|| {
+        // SAFETY: the caller's promise.
+        let opened = unsafe { opened(lens) }?;
+        if points.is_null() {
+            return Err(boundary::null("points"));
+        }
+        // SAFETY: the caller's promise.
+        let points: [[f64; 3]; 3] = unsafe { points.cast::<[[f64; 3]; 3]>().read_unaligned() };
+        let focus = focus_of(opened)?;
+        let first_order = FirstOrder::of(&opened.lens).map_err(CameraError::from)?;
+        let FocusedFilm { film_distance, tilt: [film_tilt_x, film_tilt_y] } =
+            FocusedFilm::on(focus, &first_order, points)
+                .map_err(|error| Failure::new(realistic_status::UnreachableFocus, error.to_string()))?;
+        let struct_size = size_of::<realistic_focused_film>() as u32;
+        let found = realistic_focused_film { struct_size, film_distance, film_tilt_x, film_tilt_y };
+        // SAFETY: the caller's promise.
+        unsafe { give("realistic_focused_film", found, "film", film) }
     })
 }
 

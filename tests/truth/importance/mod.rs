@@ -29,7 +29,7 @@ fn camera_of(host: &Host, given: &[(&str, &str)]) -> Camera {
 }
 
 /// Parameters of cameras: each kind of lens, pupil, weighting, stop and focus.
-const CAMERAS: [&[(&str, &str)]; 22] = [
+const CAMERAS: [&[(&str, &str)]; 27] = [
     &[],
     &[("weighting", "assignment")],
     &[("weighting", "relative"), ("pupil", "rear")],
@@ -45,6 +45,11 @@ const CAMERAS: [&[(&str, &str)]; 22] = [
     &[("lens_file", "fisheye.10mm"), ("film_diagonal", "40"), ("weighting", "relative")],
     &[("lens_file", "dgauss.100mm"), ("film_diagonal", "60"), ("fnumber", "2.8"), ("weighting", "none")],
     &[("disk", "polar"), ("focus_distance", "600")],
+    &[("film_shift_x", "6"), ("film_shift_y", "-4"), ("focus_distance", "900")],
+    &[("film_tilt_x", "8"), ("film_tilt_y", "-5"), ("film_shift_y", "3"), ("focus_distance", "900")],
+    &[("film_curvature_radius", "-60"), ("film_tilt_x", "4"), ("weighting", "relative")],
+    &[("film_curvature_radius", "80"), ("pupil", "rear"), ("film_tilt_y", "10")],
+    &[("model", "thick"), ("film_shift_x", "5"), ("fnumber", "4")],
     &[("model", "thick"), ("fnumber", "2")],
     &[("model", "thin"), ("weighting", "assignment"), ("focus_distance", "700")],
     &[("model", "thick"), ("lens_file", "fisheye.10mm"), ("weighting", "relative"), ("film_diagonal", "16")],

@@ -39,11 +39,12 @@ pub struct Options {
     /// Threads [default: one per core]
     #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = whole(1_u16, 1024))]
     threads: Option<u16>,
-    /// Brightness of a .png in stops
+    /// Exposure compensation of a .png in stops
     ///
-    /// 0 shows a white card on the axis as white. At dusk it also changes which pixels get more samples.
+    /// 0 shows a white card on the axis as white, or radiance 1 with --iso, --exposure-time, --exposure or --responsivity. At
+    /// dusk it also changes which pixels get more samples.
     #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_hyphen_values = true, value_parser = finite)]
-    exposure: f32,
+    compensation: f32,
     /// The plugin to load
     ///
     /// [default: the file named by REALISTIC_PLUGIN, else that of this program's build, else the one beside this program or in
@@ -70,7 +71,7 @@ pub struct Studio {
     pool: ThreadPool,
     progress: ProgressBar,
     messages: Mutex<Vec<String>>,
-    exposure: f32,
+    compensation: f32,
     seed: u64,
 }
 
@@ -140,7 +141,7 @@ impl Studio {
             pool,
             progress: progress_bar(),
             messages: Mutex::default(),
-            exposure: options.exposure,
+            compensation: options.compensation,
             seed: options.seed,
         })
     }
@@ -273,7 +274,7 @@ impl Studio {
         let shutter = shutter.map(|time| time as f32);
         let joined =
             |scene_points: &ScenePoints, found: &mut Connections| camera.connect(scene_points, found);
-        let scale = self.exposure.exp2() / white_level(&camera, parameters, whole)?;
+        let scale = self.compensation.exp2() / white_level(&camera, parameters, whole)?;
         let curve = if scene.light == Light::Dusk { Curve::Film } else { Curve::Straight };
         let tone = Tone { scale, curve };
         let start = Instant::now();
@@ -398,6 +399,10 @@ pub fn whole_only(parameters: &Parameters) -> Result<(), Failure> {
 
 /// Returns the film's irradiance for a scene of radiance 1.
 fn white_level(camera: &Camera, parameters: &Parameters, size: [u32; 2]) -> Result<f32, Failure> {
+    let Parameters { iso, exposure_time, exposure, responsivity, .. } = parameters;
+    if [iso, exposure_time, exposure, responsivity].into_iter().any(Option::is_some) {
+        return Ok(1.0);
+    }
     let info = camera.info()?;
     let radiometric = parameters.weighting() == Ok(Weighting::Radiometric);
     // The level comes from the lens's own f-number, not from metering, so that the lens's losses show.

@@ -12,6 +12,8 @@ pub struct ImportanceFilm {
     weight: Option<f64>,
     /// Width and height, mm.
     size: [f64; 2],
+    /// x and y of the film's centre, mm; 0 for film that is tilted or curved, whose points are its own.
+    shift: [f64; 2],
     simd: Available,
 }
 
@@ -20,8 +22,9 @@ impl ImportanceFilm {
     pub fn new(body: &CameraBody) -> Self {
         let film = &body.film_side.film;
         let size = film.middle().map(|middle| 2.0 * middle * film.pixel());
+        let shift = if film.surface().is_across() { film.surface().shift() } else { [0.0; 2] };
         let (side, weight, simd) = (body.film_side.clone(), body.weight, Available::best());
-        Self { side, weight, size, simd }
+        Self { side, weight, size, shift, simd }
     }
 
     /// z of the film, mm.
@@ -68,9 +71,9 @@ impl Arrivals<'_> {
         for (u, arrived) in arrived.iter_mut().enumerate().skip(1) {
             *arrived = self.arrived(cpu, first + u * L::WIDTH);
         }
-        self.film.side.sampler.areas(cpu, &mut arrived);
+        let flat_per_area = self.film.side.sampler.areas(cpu, &mut arrived);
         for (u, arrived) in arrived.iter().enumerate() {
-            self.store_importance(cpu, first + u * L::WIDTH, arrived);
+            self.store_importance(cpu, first + u * L::WIDTH, arrived, flat_per_area[u]);
         }
     }
 
@@ -87,19 +90,26 @@ impl Arrivals<'_> {
 
     /// Replaces rays by their raster coordinates, weights and densities.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn store_importance<L: Lanes<Scalar = f64>>(&mut self, cpu: Cpu<L>, at: usize, arrived: &FilmRays<L>) {
-        let (ImportanceFilm { side, weight, size, .. }, rays) = (self.film, &mut self.rays);
+    fn store_importance<L: Lanes<Scalar = f64>>(
+        &mut self,
+        cpu: Cpu<L>,
+        at: usize,
+        arrived: &FilmRays<L>,
+        flat_per_area: L,
+    ) {
+        let (ImportanceFilm { side, weight, size, shift, .. }, rays) = (self.film, &mut self.rays);
         let number = |number: f64| L::splat(cpu, number);
         let (zero, one) = (number(0.0), number(1.0));
         let FilmRays { point, slopes, area_per_pi, .. } = *arrived;
         let per_cos2 = slopes[1].mul_add(slopes[1], slopes[0].mul_add(slopes[0], one));
         let patch = number(std::f64::consts::PI) * area_per_pi / (per_cos2 * per_cos2);
-        let (raster, is_on_film) = side.film.raster_of(cpu, point);
+        let centred = [point[0] - number(shift[0]), point[1] - number(shift[1])];
+        let (raster, is_on_film) = side.film.raster_of(cpu, centred);
         let left = L::load(cpu, &rays.weight[at..]);
         let passes = L::both(is_on_film, zero.less(left));
         let weight =
             weight.map_or(L::select(zero.less(patch), one, zero), |weight| (number(weight) * patch) * left);
-        let density = one / (number(size[0] * size[1]) * patch);
+        let density = flat_per_area / (number(size[0] * size[1]) * patch);
         let counts = L::both(passes, density.abs().less(number(f64::INFINITY)));
         store([raster[0], raster[1], weight.or_zero(counts)], &mut rays.origin, at);
         density.store(&mut rays.direction[0][at..]);

@@ -71,7 +71,7 @@ impl IdealCamera {
             (first_order, film_z, pupil)
         };
         let weight = match setup.weighting {
-            Weighting::Radiometric => Some(1.0),
+            Weighting::Radiometric => Some(setup.exposure),
             Weighting::Assignment => Some(pupil.area().ok_or(CameraError::PupilAtInfinity)?.recip()),
             // ∫ cos⁴ d(slope)² over a disk of radius s is π s²/(1 + s²).
             Weighting::Relative => Some(pupil.slope_area().recip() + PI.recip()),
@@ -141,13 +141,13 @@ fn linear(imaging: &FirstOrder, pupil: &PupilDisk, body: &CameraBody) -> Linear 
         from_height: slope.from_height - center * at_film.from_height,
         from_slope: slope.from_slope - center * at_film.from_slope,
     };
-    let ([x, y], per_mm) = (film.middle(), film.pixel().recip());
+    let ([x, y], [right, up], per_mm) = (film.middle(), film.surface().shift(), film.pixel().recip());
     Linear {
         film: at_film,
         lens,
         lens_radius: pupil.slope_radius(),
         weight: body.weight.map(|weight| (slope, weight * pupil.slope_area())),
-        raster: [[-per_mm, x], [per_mm, y]],
+        raster: [[-per_mm, x + right * per_mm], [per_mm, y - up * per_mm]],
         size: [2.0 * x, 2.0 * y],
         depths: [0.0, f64::INFINITY],
     }

@@ -156,7 +156,7 @@ impl RealisticCamera {
     /// its middle is dark.
     pub fn lit_radius(&self) -> Option<f64> {
         let Facts { lens, film, .. } = &self.facts;
-        let corner = 0.5 * film.diagonal();
+        let corner = film.corner();
         match self.body.film_side.sampler.image_radius() {
             Some(end) => Some(end.min(corner)),
             None => Field::new(lens, self.facts.film_z()).lit_radius(corner),

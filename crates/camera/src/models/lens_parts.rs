@@ -16,7 +16,7 @@ use crate::{
     plan::{
         Decision, Kernels, Plan, Precision, Requests, Task, Tracing, describe_requests, describe_sampling,
     },
-    sampling::{GivenUp, MapFailure, PupilDisk, PupilSampler, WarpedPupil},
+    sampling::{GivenUp, MapFailure, PosedPupil, PupilDisk, PupilSampler, WarpedPupil},
     setup::{Facts, Setup},
 };
 use realistic_light::{FilmGhosts, Surfaces};
@@ -34,7 +34,7 @@ const SURVEY_RAYS: u32 = 64;
 /// Returns the disk that holds every ray from the film through the rear surface.
 pub(super) fn rear_disk(setup: &Setup, film_z: f64) -> Result<PupilDisk, CameraError> {
     let Facts { lens, film, film_distance, .. } = &setup.facts;
-    let rear = PupilDisk::rear(lens, film_z, film.reach())
+    let rear = PupilDisk::rear_of_depth(lens, film_z, film.reach(), film.depth())
         .ok_or_else(|| CameraError::film_in_lens(lens, *film_distance))?;
     // If film is so near the glass that the pupil fills a hemisphere to the last digit, or is that large, the pupil's
     // area in slopes, on which the weights are based, leaves the number range.
@@ -50,22 +50,31 @@ pub(super) fn pupil_sampler(
     [rear, exit]: [PupilDisk; 2],
     log: Log<'_>,
 ) -> PupilSampler {
+    let film = &setup.facts.film;
+    let of_disk = |disk| match film.surface().is_across() {
+        true => PupilSampler::Disk(disk),
+        false => PupilSampler::Posed(Arc::new(PosedPupil::of_disk(film.surface(), disk))),
+    };
     match setup.pupil {
         Pupil::Rear => {
             if setup.weighting == Weighting::Assignment {
                 report_enlarged(rear, clear_area(setup), log);
             }
-            PupilSampler::Disk(rear)
+            of_disk(rear)
         }
         Pupil::Disk => {
-            warn_of_missed_share(path, film_z, &setup.facts.film, rear, exit, log);
-            PupilSampler::Disk(exit)
+            warn_of_missed_share(path, film_z, film, rear, exit, log);
+            of_disk(exit)
+        }
+        Pupil::Warped if film.surface().is_across() => {
+            let pupil = WarpedPupil::new(path, film_z, film.reach(), [rear, exit]);
+            report_given_up(&pupil, film, log);
+            PupilSampler::Warped(Arc::new(pupil))
         }
         Pupil::Warped => {
-            let reach = setup.facts.film.reach();
-            let pupil = WarpedPupil::new(path, film_z, reach, [rear, exit]);
-            report_given_up(&pupil, &setup.facts.film, log);
-            PupilSampler::Warped(Arc::new(pupil))
+            let pupil = PosedPupil::new(path, film_z, film.surface(), film.rectangle(), [rear, exit]);
+            report_covered(pupil.covered(), log);
+            PupilSampler::Posed(Arc::new(pupil))
         }
     }
 }
@@ -99,7 +108,7 @@ pub(super) fn weight_factor(
     [rear, exit]: [PupilDisk; 2],
 ) -> Result<Option<f64>, CameraError> {
     let weight = match setup.weighting {
-        Weighting::Radiometric => Some(1.0),
+        Weighting::Radiometric => Some(setup.exposure),
         Weighting::Assignment => {
             let area = match setup.pupil {
                 // The sampled disk grows with the film, and exposure must not depend on the film's size.
@@ -286,6 +295,20 @@ fn report_given_up(pupil: &WarpedPupil, film: &Film, log: Log<'_>) {
             &format!(
                 "pupil \"warped\": from {from:.2} to {to:.2} mm from the axis {what} is sampled in the pupil's place, \
                  because {why}; {left}; {advice}"
+            ),
+        );
+    }
+}
+
+/// Reports the share of a tilted or curved film over which the rear element's disk is sampled.
+fn report_covered(covered: f64, log: Log<'_>) {
+    if covered > 0.0 {
+        log(
+            Level::Info,
+            &format!(
+                "pupil \"warped\": over {} % of the film the rear element's disk is sampled in the pupil's place, because it \
+                 is dark there, or light gets through in pieces far apart; the picture is right, but noisier there",
+                percent(covered)
             ),
         );
     }

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use super::units::Units;
+use super::{named::Weighting, units::Units};
 use crate::placement::transform::TransformError;
 use realistic_base::message::{as_given, cut, short, short_above};
 use realistic_optics::{
@@ -118,6 +118,32 @@ pub enum CameraError {
     NoCoatings {
         /// The lens.
         lens: String,
+    },
+    /// Ghosts were requested on film that is not flat across the axis.
+    #[error(
+        "\"ghosts\" are traced to flat film across the axis; leave out \"film_tilt_x\", \"film_tilt_y\" and \"film_curvature_radius\", or \"ghosts\""
+    )]
+    GhostsOnPosedFilm,
+    /// The film is larger than the sphere that it is curved along.
+    #[error(
+        "\"film_curvature_radius\" is {} mm, and the film's corners lie {} mm from its centre; its magnitude must be more",
+        as_given(*radius), short(*corner)
+    )]
+    FilmCurvature {
+        /// The radius, mm.
+        radius: f64,
+        /// Half the film's diagonal, mm.
+        corner: f64,
+    },
+    /// An exposure was given for weights that are not radiometric.
+    #[error(
+        "\"{name}\" scales radiometric weights, and \"weighting\" is \"{weighting}\"; leave one of them out"
+    )]
+    Exposure {
+        /// The parameter.
+        name: &'static str,
+        /// The weights.
+        weighting: Weighting,
     },
     /// Ghosts were requested, but the surfaces reflect nothing.
     #[error(

@@ -105,6 +105,10 @@ const ASPECT: I = I::between(1.0 / LARGEST_SIDE, LARGEST_SIDE);
 const RADIUS: I = I::between(0.0, LARGEST_SIDE).where_zero_is("a pinhole");
 const BLADES: I = I::between(0.0, 32.0).where_zero_is("a round stop");
 const TURN: I = I::FINITE;
+/// Offsets beyond leave the range of single precision squared.
+const OFFSET: I = I::between(-LARGEST_SIDE, LARGEST_SIDE);
+const TILT: I = I::between(-80.0, 80.0);
+const STOPS: I = I::between(-100.0, 100.0);
 const SHARE: I = I::between(0.0, 1.0);
 const ANY: I = I::between(f64::NEG_INFINITY, f64::INFINITY);
 
@@ -205,12 +209,21 @@ macro_rules! for_each_parameter {
             blade_rotation or "bladerotation": f64 in TURN, "degrees", or "the lens file's, or 0", TRACED, "angle of the blades' first corner, from image right toward image up";
             blade_curvature or "bladecurvature": f64 in SHARE, "", or "the lens file's, or 0", TRACED, "curvature of the blades' edges relative to that of the circle: 0 is straight, 1 the circle";
             film_diagonal or "filmdiag" "filmdiagonal": f64 in POSITIVE, "mm", = "35", LENSES, "diagonal of the film";
+            film_shift_x or "filmshiftx": f64 in OFFSET, "mm", = "0", LENSES, "shift of the film from the axis toward image right; the picture shows more of what lies on the left";
+            film_shift_y or "filmshifty": f64 in OFFSET, "mm", = "0", LENSES, "shift of the film from the axis toward image up; the picture shows more of what lies below";
+            film_tilt_x or "filmtiltx": f64 in TILT, "degrees", = "0", TRACED, "tilt of the film about its own x axis, after the shift; turns the film's normal from the axis toward image down";
+            film_tilt_y or "filmtilty": f64 in TILT, "degrees", = "0", TRACED, "tilt of the film about its own y axis, after that about x; turns the film's normal from the axis toward image right";
+            film_curvature_radius or "filmcurvatureradius": f64 in ANY, "mm", or "flat", TRACED, "radius of a film that is curved like a sphere, positive with the centre behind the film; the raster is projected along the film's axis";
             hither: f64 in NEAR, "units of camera space", = "1e-3", EVERY, "distance along a ray at which it begins";
             yon: f64 in FAR, "units of camera space", = "1e30", EVERY, "distance along a ray at which it ends, beyond `hither`";
             shutter_open or "shutteropen": f64 in TIME, "", = "0", EVERY, "time at which the shutter opens";
             shutter_close or "shutterclose": f64 in TIME, "", = "1", EVERY, "time at which the shutter closes; before `shutter_open`, time runs backward, as in pbrt";
             weighting: Weighting, "", or "radiometric", LENSES, "definition of a ray's weight";
             simple_weighting or "simpleweighting": bool, "", or "", LENSES, "pbrt-v3's name for `weighting`, true for \"relative\" and false for \"radiometric\"";
+            iso: f64 in POSITIVE, "", or "100, if another of the exposure is given", LENSES, "sensitivity of the film, a factor of iso/100 of radiometric weights";
+            exposure_time or "exposuretime": f64 in POSITIVE, "s", or "1, if another of the exposure is given", LENSES, "time for which the film is exposed, a factor of radiometric weights; does not depend on the shutter's times";
+            exposure: f64 in STOPS, "stops", or "0, if another of the exposure is given", LENSES, "exposure compensation, a factor of 2 to this power of radiometric weights";
+            responsivity: f64 in POSITIVE, "", or "1, if another of the exposure is given", LENSES, "response of the film to light, a factor of radiometric weights";
             transmission: Transmission, "", = "none", TRACED, "transmission of the surfaces, as a factor of every weight: 1, or that of surfaces without a coating, with one, two or three layers for 550 nm between air and glass, or with the coatings that the lens file names";
             ghosts: f64 in SHARE, "of the samples", = "0", TRACED, "share of the lens samples for paths with two reflections, whose strength follows from `transmission`; 1 for the light of those paths alone";
             pupil: Pupil, "", = "warped", TRACED, "region of the lens samples, the true pupil of each film point, the rear element's disk, or the thick-lens exit pupil";

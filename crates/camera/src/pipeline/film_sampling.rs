@@ -7,8 +7,9 @@ use crate::{
     plan::FilmSide,
     samples::{Sample, Samples, WAVELENGTH},
     sampling::{
-        DiskMapping, PupilSampler, WarpedPupil,
+        DiskMapping, PosedPupil, PupilSampler, WarpedPupil,
         film_rays::FilmRays,
+        posed_pupil::LanePosed,
         pupil_disk::LaneDisk,
         pupil_map::{LanePupil, LaneSpectralPupil, SpectralPupil},
     },
@@ -19,8 +20,9 @@ use realistic_trace::kernel::KernelScalar;
 /// A film and its pupil, ready for sampling in the precision `S`.
 #[derive(Clone, Debug)]
 pub struct FilmSampling<S> {
-    /// Raster coordinates of the axis, in mm.
-    middle: [S; 2],
+    /// Position of the axis from the raster's corner, right and down, mm; that of the film's centre if the film is
+    /// tilted or curved.
+    axis: [S; 2],
     pixel: S,
     mapping: DiskMapping,
     pupil: LanePupilSampler<S>,
@@ -34,6 +36,7 @@ enum LanePupilSampler<S> {
     Disk(LaneDisk<S>),
     Warped(Arc<WarpedPupil>, LanePupil<S>),
     Spectral(Arc<SpectralPupil>, LaneSpectralPupil<S>),
+    Posed(Arc<PosedPupil>, LanePosed<S>),
 }
 
 /// Raster points, lens samples and wavelengths.
@@ -63,9 +66,15 @@ impl<S: KernelScalar> FilmSampling<S> {
         let pupil = match sampler {
             PupilSampler::Disk(disk) => LanePupilSampler::Disk(disk.lane_disk()),
             PupilSampler::Warped(pupil) => LanePupilSampler::Warped(pupil.clone(), pupil.lane_pupil()),
+            PupilSampler::Posed(pupil) => LanePupilSampler::Posed(pupil.clone(), pupil.constants()),
         };
+        let [right, up] = match sampler {
+            PupilSampler::Posed(_) => [0.0; 2],
+            PupilSampler::Disk(_) | PupilSampler::Warped(_) => film.surface().shift(),
+        };
+        let [x, y] = film.half_size();
         Self {
-            middle: film.middle().map(|x| S::from_f64(x * film.pixel())),
+            axis: [x + right, y - up].map(S::from_f64),
             pixel: S::from_f64(film.pixel()),
             mapping: *mapping,
             pupil,
@@ -106,6 +115,7 @@ impl<S: KernelScalar> FilmSampling<S> {
             LanePupilSampler::Spectral(pupil, constants) => {
                 pupil.lanes(cpu, constants, &wavelengths, &mut rays);
             }
+            LanePupilSampler::Posed(pupil, constants) => pupil.lanes(cpu, constants, &mut rays),
         }
         if let Some([from, to]) = self.wavelengths {
             let none = L::splat(cpu, S::from_f64(f64::NAN));
@@ -137,7 +147,7 @@ impl<S: KernelScalar> FilmSampling<S> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn point<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, [x, y]: [L; 2]) -> [L; 2] {
         let pixel = L::splat(cpu, self.pixel);
-        [x.neg_mul_add(pixel, L::splat(cpu, self.middle[0])), y.mul_sub(pixel, L::splat(cpu, self.middle[1]))]
+        [x.neg_mul_add(pixel, L::splat(cpu, self.axis[0])), y.mul_sub(pixel, L::splat(cpu, self.axis[1]))]
     }
 
     /// Returns the square of a sample's film radius, mm², as [`FilmRays::radius_squared`] computes it in lanes of any

@@ -196,12 +196,13 @@ fn largest_order(candidates: &[Candidate], fit: bool) -> usize {
 }
 
 /// Lists every candidate: polynomials that test the given number of apertures, in single precision if the lens is `fit`
-/// for it, unless rays carry their light; and the exact kernel in both precisions.
+/// for it, unless rays carry their light or begin on tilted or curved film; and the exact kernel in both precisions.
 fn candidates(task: &Task<'_>, fit: bool, apertures: usize) -> Vec<Candidate> {
     let (simd, surfaces) = (Simd::best(), cost::in_spheres(task.lens));
     let precision = if fit { Precision::F32 } else { Precision::F64 };
     let candidate = |tracing, costs| Candidate { tracing, costs, verdict: Verdict::Untried };
-    let orders = ORDERS.iter().filter(|_| !task.carries_light);
+    let takes_polynomials = !task.carries_light && task.film_side.film.surface().is_across();
+    let orders = ORDERS.iter().filter(|_| takes_polynomials);
     let polynomials = orders.map(|&order| {
         let cost = |entry| cost::polynomials(simd, entry, precision, monomials(order), apertures);
         candidate(Tracing::Polynomials { order, precision, fit: () }, Entry::ALL.map(cost))

@@ -180,7 +180,12 @@ pub fn describe_sampling(side: &FilmSide, plan: &mut Plan) {
                 );
             }
         }
-        PupilSampler::Disk(_) => {
+        PupilSampler::Posed(pupil) if pupil.disk().is_none() => plan.kept(
+            "pupil table over x and y of the film",
+            "the film is tilted or curved",
+            "built once; samples cost a few per cent more",
+        ),
+        PupilSampler::Disk(_) | PupilSampler::Posed(_) => {
             plan.left_out("pupil table", "a disk is sampled", "no time to build it");
         }
     }

@@ -320,7 +320,7 @@ fn fit_rays(side: &FilmSide, count: usize) -> Vec<Ray> {
                 [radius * cos, radius * sin]
             };
             let point = polar(side.film.reach() * (FRAC_PI_2 * h).sin(), turn);
-            let slopes = side.sampler.sample(point, polar((FRAC_PI_2 * r).sin(), phi))?.slopes;
+            let slopes = side.sampler.sample(point, polar((FRAC_PI_2 * r).sin(), phi))?.1.slopes;
             Some(film_ray(point, side.z, slopes))
         })
         .collect()

@@ -75,12 +75,14 @@ pub struct Task<'a> {
 }
 
 impl FilmSide {
-    /// Maps four numbers in [0, 1] to a film point, mm, and a pupil sample; `None` if there is no such sample.
+    /// Maps four numbers in [0, 1] to a ray: the point where it crosses the film's plane across the axis, mm, and its
+    /// pupil sample; `None` if there is no such sample.
     pub fn sample(&self, [x, y, u, v]: [f64; 4]) -> Option<([f64; 2], PupilSample)> {
-        let corner = self.film.point(0.0, 0.0);
-        let point = [(1.0 - 2.0 * x) * corner[0], (1.0 - 2.0 * y) * corner[1]];
-        let sample = self.sampler.sample(point, self.mapping.map(u, v)?)?;
-        Some((point, sample))
+        let half = self.film.half_size();
+        let [right, up] =
+            if self.film.surface().is_across() { self.film.surface().shift() } else { [0.0; 2] };
+        let point = [(1.0 - 2.0 * x) * half[0] + right, (1.0 - 2.0 * y) * -half[1] + up];
+        self.sampler.sample(point, self.mapping.map(u, v)?)
     }
 }
 

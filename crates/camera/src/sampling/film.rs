@@ -1,5 +1,6 @@
 //! The film: a raster of pixels on a rectangle behind the lens.
 
+use super::film_surface::FilmSurface;
 use realistic_simd::{Cpu, Lanes};
 
 /// Pixels of an image.
@@ -11,12 +12,13 @@ pub struct Raster {
     pub yres: u32,
 }
 
-/// A film of square pixels centred on the axis.
+/// A film of square pixels, centred on the axis unless its surface is moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Film {
     raster: Raster,
     diagonal: f64,
     pixel: f64,
+    surface: FilmSurface,
 }
 
 /// Distance outside the raster, in pixels, up to which a host's reconstruction filter requests rays (pbrt-v1 goes to -2
@@ -24,10 +26,21 @@ pub struct Film {
 const FILTER_MARGIN: f64 = 3.0;
 
 impl Film {
-    /// Returns a film with this diagonal in mm, positive.
+    /// Returns a flat film across the axis with this diagonal in mm, positive.
     pub fn new(raster: Raster, diagonal: f64) -> Self {
         let (x, y) = (f64::from(raster.xres), f64::from(raster.yres));
-        Self { raster, diagonal, pixel: diagonal / (x * x + y * y).sqrt() }
+        Self { raster, diagonal, pixel: diagonal / (x * x + y * y).sqrt(), surface: FilmSurface::FLAT }
+    }
+
+    /// Returns this film on another surface.
+    #[must_use]
+    pub fn on(self, surface: FilmSurface) -> Self {
+        Self { surface, ..self }
+    }
+
+    /// Returns the film's surface.
+    pub fn surface(&self) -> &FilmSurface {
+        &self.surface
     }
 
     /// Returns width and height of a pixel, mm.
@@ -40,17 +53,21 @@ impl Film {
         self.diagonal
     }
 
-    /// Returns the film point, mm in lens space, of raster coordinates ((0, 0) is the image's top left corner). The
-    /// image on film is upside down and mirrored; this function turns it, so that raster x grows toward the scene's
-    /// right.
+    /// Returns the film point, mm in lens space, of raster coordinates ((0, 0) is the image's top left corner), for a
+    /// film across the axis. The image on film is upside down and mirrored; this function turns it, so that raster x
+    /// grows toward the scene's right.
     #[inline(always)]
     pub fn point(&self, image_x: f64, image_y: f64) -> [f64; 2] {
-        let [x, y] = self.middle();
-        [(x - image_x) * self.pixel, (image_y - y) * self.pixel]
+        let ([x, y], [right, up]) = (self.middle(), self.surface.shift());
+        [(x - image_x) * self.pixel + right, (image_y - y) * self.pixel + up]
     }
 
-    /// Returns the raster coordinates of film points, mm, the inverse of [`Film::point`], and the mask of points on the
-    /// film.
+    /// Returns half the width and half the height of the picture, mm.
+    pub fn half_size(&self) -> [f64; 2] {
+        self.middle().map(|middle| middle * self.pixel)
+    }
+
+    /// Returns the raster coordinates of film points, mm from the film's centre, and the mask of points on the film.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn raster_of<L: Lanes<Scalar = f64>>(&self, cpu: Cpu<L>, [x, y]: [L; 2]) -> ([L; 2], L::Mask) {
         let (zero, pixel) = (L::splat(cpu, 0.0), L::splat(cpu, self.pixel));
@@ -61,14 +78,46 @@ impl Film {
         ([image_x, image_y], L::both(is_across, is_down))
     }
 
-    /// Returns the raster coordinates of the axis.
+    /// Returns the raster coordinates of the film's centre.
     pub fn middle(&self) -> [f64; 2] {
         [self.raster.xres, self.raster.yres].map(|resolution| f64::from(resolution) / 2.0)
     }
 
-    /// Returns the largest distance from the axis, mm, at which a host requests rays.
+    /// Returns the largest distance from the axis, mm, at which a host requests rays; an overestimate for film that is
+    /// moved or tilted.
     pub fn reach(&self) -> f64 {
-        self.diagonal / 2.0 + FILTER_MARGIN * std::f64::consts::SQRT_2 * self.pixel
+        let [right, up] = self.surface.shift();
+        self.diagonal / 2.0 + FILTER_MARGIN * std::f64::consts::SQRT_2 * self.pixel + right.hypot(up)
+    }
+
+    /// Returns the distance of the farthest corner of the picture from the axis, mm, by the same overestimate.
+    pub fn corner(&self) -> f64 {
+        let [right, up] = self.surface.shift();
+        self.diagonal / 2.0 + right.hypot(up)
+    }
+
+    /// Returns a corner of the rectangle of the flat film in which a host requests rays, mm from its centre, and the
+    /// rectangle's size.
+    pub fn rectangle(&self) -> [[f64; 2]; 2] {
+        let half = self.half_size().map(|half| half + FILTER_MARGIN * self.pixel);
+        [half.map(|half| -half), half.map(|half| 2.0 * half)]
+    }
+
+    /// Returns how far the film's points lie in front of its plane across the axis, mm: the least and the greatest, each
+    /// 0 for film across the axis. NaN if the film reaches beyond the sphere that it is curved along.
+    pub fn depth(&self) -> [f64; 2] {
+        const STEPS: u32 = 16;
+        let mut depth = [0.0_f64; 2];
+        let [corner, size] = self.rectangle();
+        for (i, j) in (0..=STEPS).flat_map(|i| (0..=STEPS).map(move |j| (i, j))) {
+            let at = |axis: usize, k: u32| corner[axis] + size[axis] * f64::from(k) / f64::from(STEPS);
+            let (_, ahead) = self.surface.point([at(0, i), at(1, j)]);
+            if ahead.is_nan() {
+                return [f64::NAN; 2];
+            }
+            depth = [depth[0].min(ahead), depth[1].max(ahead)];
+        }
+        depth
     }
 }
 

@@ -45,21 +45,31 @@ impl PupilDisk {
     /// aperture, so that it holds every ray from such film through the surface. `None` if the film is not behind the
     /// whole surface.
     pub fn rear(lens: &Lens, film: f64, reach: f64) -> Option<Self> {
+        Self::rear_of_depth(lens, film, reach, [0.0; 2])
+    }
+
+    /// Returns the disk of [`PupilDisk::rear`] for film whose points lie up to `depth` mm, least and greatest, in front
+    /// of its plane.
+    pub fn rear_of_depth(lens: &Lens, film: f64, reach: f64, depth: [f64; 2]) -> Option<Self> {
         let rear = lens.rear();
         let distance = rear.vertex - film;
+        let nearest = distance - depth[1];
         // For a sphere only the edge counts; for an asphere any height, treated as if it lay at the edge.
         let ends = match rear.figure {
             None => [rear.sagitta(rear.semi_diameter); 2],
             Some(_) => rear.sagitta_range(),
         };
-        if !(distance > 0.0 && distance + ends[0] > 0.0) {
+        if !(nearest > 0.0 && nearest + ends[0] > 0.0) {
             return None;
         }
         // From film height h, a point of the surface at height r and sagitta s projects to (r Z + h s)/(Z + s). Over
         // the surface and the film this is largest in magnitude at the edge, for h on that edge's side if s > 0 and on
         // the other side if s < 0, or at s = 0.
         let projected = |height: f64, sagitta: f64| {
-            (rear.semi_diameter * distance + height * sagitta.abs()) / (distance + sagitta)
+            let from = |distance: f64| {
+                (rear.semi_diameter * distance + height * sagitta.abs()) / (distance + sagitta)
+            };
+            from(nearest).max(from(distance - depth[0]))
         };
         let [low, high] = ends.map(|end| projected(0.0, end).max(projected(reach, end)));
         let radius = rear.semi_diameter.max(low).max(high);
@@ -96,6 +106,15 @@ impl PupilDisk {
     /// Returns the disk as seen from the film point (`x`, `y`).
     pub fn seen_from(&self, [x, y]: [f64; 2]) -> SlopeDisk {
         SlopeDisk { center: [-x * self.vergence, -y * self.vergence], radius: self.slope_radius }
+    }
+
+    /// Returns the disk as seen from a point `ahead` mm in front of the film. The radius is not positive if the point
+    /// lies at the disk or in front of it.
+    pub fn seen_from_ahead(&self, point: [f64; 2], ahead: f64) -> SlopeDisk {
+        let SlopeDisk { center, radius } = self.seen_from(point);
+        let nearer = 1.0 - ahead * self.vergence;
+        let nearer = if nearer > 0.0 { nearer.recip() } else { 0.0 };
+        SlopeDisk { center: center.map(|slope| slope * nearer), radius: radius * nearer }
     }
 
     /// Returns the slope at a film point, mm, of the point `disk` of the unit disk.
@@ -140,6 +159,41 @@ impl<S: Scalar> LaneDisk<S> {
     pub fn lanes<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, [x, y]: [L; 2], [u, v]: [L; 2]) -> ([L; 2], L) {
         let (shift, radius) = (L::splat(cpu, self.shift), L::splat(cpu, self.slope_radius));
         ([radius.mul_add(u, shift * x), radius.mul_add(v, shift * y)], L::splat(cpu, self.area_per_pi))
+    }
+
+    /// Computes [`LaneDisk::lanes`] for points `ahead` mm in front of the film. The area is NaN from the disk on.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn lanes_ahead<L: Lanes<Scalar = S>>(
+        &self,
+        cpu: Cpu<L>,
+        point: [L; 2],
+        ahead: L,
+        disk: [L; 2],
+    ) -> ([L; 2], L) {
+        let nearer = self.nearer(cpu, ahead);
+        let (slopes, area) = self.lanes(cpu, point, disk);
+        (slopes.map(|slope| slope * nearer), area * (nearer * nearer))
+    }
+
+    /// Computes [`LaneDisk::areas`] for points `ahead` mm in front of the film.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn areas_ahead<L: Lanes<Scalar = S>>(
+        &self,
+        cpu: Cpu<L>,
+        point: [L; 2],
+        ahead: L,
+        slopes: [L; 2],
+    ) -> L {
+        let nearer = self.nearer(cpu, ahead);
+        self.areas(cpu, point, slopes.map(|slope| slope / nearer)) * (nearer * nearer)
+    }
+
+    /// Returns the disk's distance from the film over that from points in front of it; NaN from the disk on.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn nearer<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, ahead: L) -> L {
+        let (zero, one) = (L::splat(cpu, S::ZERO), L::splat(cpu, S::ONE));
+        let left = ahead.mul_add(L::splat(cpu, self.shift), one);
+        L::select(zero.less(left), one / left, L::splat(cpu, S::from_f64(f64::NAN)))
     }
 
     /// Returns the slope area, over π, per sample with these slopes at film points; NaN outside the disk.

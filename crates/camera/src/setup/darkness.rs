@@ -77,7 +77,7 @@ pub fn warn_of_darkness(
 /// Warns if light, which reaches `lit` mm from the axis, covers less than half of the film, measured by film points of
 /// samples evenly over the picture.
 fn warn_of_dark_film(film: &Film, lit: f64, sample: impl Fn(usize) -> Sample, log: Log<'_>) {
-    let corner = 0.5 * film.diagonal();
+    let corner = film.corner();
     let is_lit = |number: &usize| {
         let Sample { image_x, image_y, .. } = sample(*number);
         let [x, y] = film.point(image_x.into(), image_y.into());
@@ -89,7 +89,7 @@ fn warn_of_dark_film(film: &Film, lit: f64, sample: impl Fn(usize) -> Sample, lo
              picture without a black border give \"film_diagonal\" {} mm or less",
             short(lit),
             short(corner),
-            short(2.0 * lit)
+            short(2.0 * lit - 2.0 * (corner - 0.5 * film.diagonal()))
         );
         log(Level::Warning, &text);
     }

@@ -16,7 +16,7 @@ use crate::{
     parameters::{CameraError, FocusBy, ParameterError, Parameters, Pupil, Transmission, Units, Weighting},
     placement::Placement,
     plan::Precision,
-    sampling::DiskMapping,
+    sampling::{DiskMapping, FilmSurface},
 };
 use realistic_base::message::{Level, Log, as_given, short};
 use realistic_optics::{
@@ -52,6 +52,8 @@ pub struct Setup {
     pub coatings: Option<Vec<SurfaceCoating>>,
     /// Share of the samples that follow paths with two reflections; more than 0 only with coatings.
     pub ghosts: f64,
+    /// Factor of radiometric weights: 1 unless the exposure is given.
+    pub exposure: f64,
     pub precision: Option<Precision>,
     /// Tolerance, pixels; 0 for exact tracing.
     pub tolerance: f64,
@@ -69,7 +71,7 @@ impl Setup {
         donor: Option<&SharedLens>,
         log: Log<'_>,
     ) -> Result<Self, CameraError> {
-        let film = Film::new(raster(host)?, given.film_diagonal()?);
+        let film = film(given, host)?;
         let units = units(given, host)?;
         let with_units = |error| with_units(error, given, units);
         let shared = open(given, host, focusing, donor, log).map_err(with_units)?;
@@ -100,7 +102,8 @@ impl Setup {
             mapping: disk_mapping(given, host)?,
             weighting: given.weighting()?,
             coatings: coatings(given.transmission(), prescription)?,
-            ghosts: ghosts(given)?,
+            ghosts: ghosts(given, &film)?,
+            exposure: exposure(given)?,
             precision: given.precision(),
             tolerance: given.tolerance()?,
             leave_out: host.leave_out,
@@ -167,12 +170,53 @@ pub fn coatings(
     Ok(transmission.of_all().map(all))
 }
 
+/// Returns the film on its surface.
+///
+/// # Errors
+/// There are no pixels, a number is out of range, or the film reaches beyond the sphere that it is curved along.
+fn film(given: &Parameters, host: &Host) -> Result<Film, CameraError> {
+    let shift = [given.film_shift_x()?, given.film_shift_y()?];
+    let tilt = [given.film_tilt_x()?, given.film_tilt_y()?];
+    let radius = given.film_curvature_radius()?.unwrap_or(f64::INFINITY);
+    let film = Film::new(raster(host)?, given.film_diagonal()?).on(FilmSurface::new(shift, tilt, radius));
+    if radius == 0.0 || film.depth()[0].is_nan() {
+        return Err(CameraError::FilmCurvature { radius, corner: 0.5 * film.diagonal() });
+    }
+    Ok(film)
+}
+
+/// Returns the factor of radiometric weights that makes them an exposure as OpenUSD's cameras have it, 1 if none of its
+/// parameters is given: the weights' mean on the axis is then the linear exposure scale of a camera whose
+/// `exposure:fStop` is the lens's T-number.
+///
+/// # Errors
+/// A number is out of range, or weights are not radiometric.
+fn exposure(given: &Parameters) -> Result<f64, CameraError> {
+    let [iso, time, stops, responsivity] =
+        [given.iso()?, given.exposure_time()?, given.exposure()?, given.responsivity()?];
+    let names = ["iso", "exposure_time", "exposure", "responsivity"];
+    let numbers = [iso, time, stops, responsivity];
+    let Some(name) = names.into_iter().zip(numbers).find_map(|(name, number)| number.map(|_| name)) else {
+        return Ok(1.0);
+    };
+    let weighting = given.weighting()?;
+    if weighting != Weighting::Radiometric {
+        return Err(CameraError::Exposure { name, weighting });
+    }
+    // A T-number is sqrt(π/(4 E)), E the irradiance on the axis: 1/T² is 4/π of the weights' mean.
+    let linear = iso.unwrap_or(100.0) / 100.0 * time.unwrap_or(1.0) * responsivity.unwrap_or(1.0);
+    Ok(4.0 / std::f64::consts::PI * linear * stops.unwrap_or(0.0).exp2())
+}
+
 /// Returns the share of the samples that follow paths with two reflections.
 ///
 /// # Errors
-/// The number is out of range, or the surfaces reflect nothing.
-fn ghosts(given: &Parameters) -> Result<f64, CameraError> {
+/// The number is out of range, the surfaces reflect nothing, or the film is tilted or curved.
+fn ghosts(given: &Parameters, film: &Film) -> Result<f64, CameraError> {
     let share = given.ghosts()?;
+    if share > 0.0 && !film.surface().is_across() {
+        return Err(CameraError::GhostsOnPosedFilm);
+    }
     if share > 0.0 && given.transmission() == Transmission::None {
         return Err(CameraError::NothingReflects { share });
     }

@@ -20,3 +20,4 @@ pub mod focus;
 pub mod irradiance;
 pub mod moving;
 pub mod open;
+pub mod plane_of_focus;

@@ -88,6 +88,8 @@ impl Spectral {
         let (pupil, side) = (self.pupil(range), &self.body.film_side);
         let sampler = match &side.sampler {
             PupilSampler::Warped(own) if pupil.is_none() => PupilSampler::Disk(own.cover_disk()),
+            // A table over x, y and wavelength would take a minute; the disk that holds every pupil is right, but noisier.
+            PupilSampler::Posed(own) => PupilSampler::Posed(Arc::new(own.over_disk())),
             sampler => sampler.clone(),
         };
         let film = FilmSampling::<S>::new(&FilmSide { sampler, ..side.clone() }).spectral(pupil, range);
@@ -114,7 +116,10 @@ impl Spectral {
         let side = |wavelength| {
             let lens = self.optics.at(wavelength);
             let path = Path::new(&lens, Direction::FilmToScene, Refraction::Fused);
-            let (cover, exit) = (PupilDisk::rear(&lens, *z, film.reach())?, PupilDisk::exit(&lens, *z));
+            let (cover, exit) = (
+                PupilDisk::rear_of_depth(&lens, *z, film.reach(), film.depth())?,
+                PupilDisk::exit(&lens, *z),
+            );
             Some((pupil_map::PupilFilmSide::new(&path, *z, [cover, exit]), cover))
         };
         SpectralPupil::new([range.start(), range.end()].map(|end| (*end).into()), film.reach(), side)

@@ -39,9 +39,9 @@ impl PupilFilmSide {
         self.intervals
     }
 
-    /// Returns the pencil of a film point, mm.
-    pub fn at(&self, point: [f64; 2]) -> FilmPencil<'_> {
-        FilmPencil { side: self, point }
+    /// Returns the pencil of a film point, mm, `ahead` mm in front of the film's plane across the axis.
+    pub fn at(&self, point: [f64; 2], ahead: f64) -> FilmPencil<'_> {
+        FilmPencil { side: self, point, ahead }
     }
 }
 
@@ -79,7 +79,7 @@ impl Family for FilmRadii {
     const ENDS: bool = true;
 
     fn pencil(&self, radius: f64, _: f64) -> impl Pencil + '_ {
-        self.side.at([radius, 0.0])
+        self.side.at([radius, 0.0], 0.0)
     }
 
     fn reach(&self) -> f64 {
@@ -95,20 +95,25 @@ impl Family for FilmRadii {
 pub struct FilmPencil<'a> {
     side: &'a PupilFilmSide,
     point: [f64; 2],
+    ahead: f64,
 }
 
 impl Pencil for FilmPencil<'_> {
     fn excesses(&self, slopes: &[[f64; 2]]) -> Vec<f64> {
-        let rays = slopes.iter().map(|&slopes| FilmRay { point: self.point, slopes });
+        let ([x, y], ahead) = (self.point, self.ahead);
+        let on_plane = |[sx, sy]: [f64; 2]| [x - ahead * sx, y - ahead * sy];
+        let rays = slopes.iter().map(|&slopes| FilmRay { point: on_plane(slopes), slopes });
         self.side.rays.fetch_add(slopes.len() as u32, Relaxed);
         self.side.clearances.excesses(rays)
     }
 
     fn cover(&self) -> SlopeDisk {
-        self.side.cover.seen_from(self.point)
+        self.side.cover.seen_from_ahead(self.point, self.ahead)
     }
 
     fn guess(&self) -> SlopeDisk {
-        self.side.exit.seen_from(self.point)
+        let guess = self.side.exit.seen_from_ahead(self.point, self.ahead);
+        // Film may reach to an exit pupil that lies behind the lens.
+        if guess.radius > 0.0 { guess } else { self.cover() }
     }
 }

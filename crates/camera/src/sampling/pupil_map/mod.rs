@@ -44,7 +44,7 @@ pub(crate) use film_side::{FilmRadii, PupilFilmSide, intervals};
 pub use grid::MapFailure;
 pub(crate) use grid::{Gap, Grid};
 pub(crate) use pencil::{Family, Pencil};
-pub use rectangle::RectanglePupil;
+pub(crate) use rectangle::RectanglePupil;
 pub(crate) use spectral::{LaneSpectralPupil, SpectralPupil};
 
 use self::slice::{CELLS, Slice, knot};

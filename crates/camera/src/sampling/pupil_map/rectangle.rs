@@ -1,28 +1,29 @@
 //! The pupils of the points of a rectangle of film, by x and y: for lenses and films without an axis of symmetry.
 
-use std::f64::consts::PI;
-
 use super::{
-    Grid, PupilFilmSide, PupilMap,
+    Grid, MapConstants, MapFailure, PupilFilmSide, PupilMap,
     pencil::{Family, Pencil},
 };
-use crate::sampling::pupil_disk::{PupilDisk, PupilSample};
+use crate::sampling::{film_surface::FilmSurface, pupil_disk::PupilDisk};
 use realistic_base::numeric::Real;
 use realistic_optics::trace::Path;
-use realistic_simd::{Compiled, Cpu, Lanes, OneLane, Portable, Simd};
+use realistic_simd::{Cpu, Lanes, Scalar};
 
 /// The true pupil of every point of a rectangle of film. Immutable once built.
 #[derive(Clone, Debug)]
 pub struct RectanglePupil {
     corner: [f64; 2],
+    size: [f64; 2],
     /// Columns per mm.
     per_mm: f64,
     map: PupilMap,
+    covered: f64,
 }
 
-/// Film points by x and y.
+/// Film points by x and y of the flat film.
 struct Rectangle {
     side: PupilFilmSide,
+    surface: FilmSurface,
     corner: [f64; 2],
     size: [f64; 2],
 }
@@ -33,7 +34,9 @@ impl Family for Rectangle {
 
     fn pencil(&self, x: f64, column: f64) -> impl Pencil + '_ {
         let columns = self.intervals()[1] as f64;
-        self.side.at([self.corner[0] + x, self.corner[1] + self.size[1] * column / columns])
+        let flat = [self.corner[0] + x, self.corner[1] + self.size[1] * column / columns];
+        let (point, ahead) = self.surface.point(flat);
+        self.side.at(point, ahead)
     }
 
     fn reach(&self) -> f64 {
@@ -46,52 +49,90 @@ impl Family for Rectangle {
 }
 
 impl RectanglePupil {
-    /// Tabulates the pupils of film points from `corner` on, mm, up to `size` farther along x and y, on film at z =
-    /// `film`. `cover` is a disk that holds all of them, `exit` the paraxial exit pupil.
-    pub fn new(path: &Path, film: f64, [corner, size]: [[f64; 2]; 2], [cover, exit]: [PupilDisk; 2]) -> Self {
-        let family = Rectangle { side: PupilFilmSide::new(path, film, [cover, exit]), corner, size };
-        let per_mm = family.intervals()[1] as f64 / size[1];
-        Self { corner, per_mm, map: PupilMap::new(&Grid::new(&family), Rectangle::SYMMETRIC) }
+    /// Tabulates the pupils of the points from `corner` on, mm, up to `size` farther along x and y, of the flat film
+    /// that `surface` places about z = `film`. `cover` is a disk that holds all of them, `exit` the paraxial exit pupil.
+    pub fn new(
+        path: &Path,
+        film: f64,
+        surface: &FilmSurface,
+        [corner, size]: [[f64; 2]; 2],
+        [cover, exit]: [PupilDisk; 2],
+    ) -> Self {
+        let side = PupilFilmSide::new(path, film, [cover, exit]);
+        let family = Rectangle { side, surface: *surface, corner, size };
+        let [along, columns] = family.intervals();
+        let grid = Grid::new(&family);
+        let covered = grid.gaps.iter().filter(|gap| gap.reason != MapFailure::Gaps).count();
+        Self {
+            corner,
+            size,
+            per_mm: columns as f64 / size[1],
+            map: PupilMap::new(&grid, Rectangle::SYMMETRIC),
+            covered: covered as f64 / (along * columns) as f64,
+        }
     }
 
-    /// Returns the slope at a film point of the rectangle, mm, of the point `disk` of the unit disk.
-    pub fn sample(&self, film: [f64; 2], disk: [f64; 2]) -> PupilSample {
-        let mut found = PupilSample { slopes: [0.0; 2], area: f64::NAN };
-        Simd::best().run(RectangleSample { pupil: self, film, disk, found: &mut found });
-        found
+    /// Returns the share of the rectangle over which `cover` is used instead of the pupil: light gets through there in
+    /// several components, or none does.
+    pub fn covered(&self) -> f64 {
+        self.covered
     }
 
+    /// Returns the constants of look-ups.
+    pub(crate) fn constants<S: Scalar>(&self) -> MapConstants<S> {
+        self.map.constants()
+    }
+
+    /// Returns the slopes at points of the flat film, mm, of points of the unit disk, the area per sample over π, and
+    /// the mask of points inside the rectangle.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn at<L: Lanes<Scalar = f64>>(&self, cpu: Cpu<L>, [x, y]: [L; 2], disk: [L; 2]) -> ([L; 2], L) {
-        let number = |number: f64| L::splat(cpu, f64::from_f64(number));
-        let (along, column) =
-            (x - number(self.corner[0]), (y - number(self.corner[1])) * number(self.per_mm));
-        let location = self.map.locate_in_columns(cpu, &self.map.constants(), along, column);
-        self.map.at(cpu, &location, disk)
+    pub(crate) fn lanes<L: Lanes>(
+        &self,
+        cpu: Cpu<L>,
+        constants: &MapConstants<L::Scalar>,
+        flat: [L; 2],
+        disk: [L; 2],
+    ) -> ([L; 2], L, L::Mask) {
+        let ([along, column], is_inside) = self.located(cpu, flat);
+        let (slopes, area) =
+            self.map.at(cpu, &self.map.locate_in_columns(cpu, constants, along, column), disk);
+        (slopes, area, is_inside)
     }
-}
 
-/// Computes one sample with the processor's own fused multiplications.
-struct RectangleSample<'a> {
-    pupil: &'a RectanglePupil,
-    film: [f64; 2],
-    disk: [f64; 2],
-    found: &'a mut PupilSample,
-}
+    /// Returns the areas per sample, over π, of rays with slopes from points of the flat film, mm, NaN outside the
+    /// pupil; and the mask of points inside the rectangle.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn areas<L: Lanes>(
+        &self,
+        cpu: Cpu<L>,
+        constants: &MapConstants<L::Scalar>,
+        flat: [L; 2],
+        slopes: [L; 2],
+    ) -> (L, L::Mask) {
+        let ([along, column], is_inside) = self.located(cpu, flat);
+        let [area] =
+            self.map.areas(cpu, &[self.map.locate_in_columns(cpu, constants, along, column)], &[slopes]);
+        (area, is_inside)
+    }
 
-impl Compiled for RectangleSample<'_> {
-    #[inline(always)]
-    fn run(self) {
-        let [point, disk] = [self.film, self.disk].map(|pair| pair.map(|number| Portable([number])));
-        let ([Portable([x]), Portable([y])], Portable([area])) = self.pupil.at(OneLane::cpu(), point, disk);
-        *self.found = PupilSample { slopes: [x, y], area: PI * area };
+    /// Returns points of the flat film as distances along x and columns, held inside the rectangle, and the mask of
+    /// points that are inside.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn located<L: Lanes>(&self, cpu: Cpu<L>, [x, y]: [L; 2]) -> ([L; 2], L::Mask) {
+        let number = |number: f64| L::splat(cpu, L::Scalar::from_f64(number));
+        let (zero, [width, height]) = (number(0.0), self.size.map(number));
+        let (along, up) = (x - number(self.corner[0]), y - number(self.corner[1]));
+        let is_across = L::both(zero.less_equal(along), along.less_equal(width));
+        let is_inside = L::both(is_across, L::both(zero.less_equal(up), up.less_equal(height)));
+        // In this order NaN becomes 0.
+        ([along.larger(zero).smaller(width), up * number(self.per_mm)], is_inside)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sampling::WarpedPupil;
+    use crate::sampling::{WarpedPupil, posed_pupil::PosedPupil};
     use realistic_base::numeric::STEPS;
     use realistic_optics::{
         lens::{Lens, film_ray, first_order::FirstOrder},
@@ -105,7 +146,7 @@ mod tests {
         let (path, reach) = (Path::film_to_scene(&lens), 18.0);
         let disks = [PupilDisk::rear(&lens, film, reach).expect("behind"), PupilDisk::exit(&lens, film)];
         let symmetric = WarpedPupil::new(&path, film, reach, disks);
-        let rectangle = RectanglePupil::new(&path, film, [[1.0, -8.0], [13.0, 12.0]], disks);
+        let rectangle = PosedPupil::new(&path, film, &FilmSurface::FLAT, [[1.0, -8.0], [13.0, 12.0]], disks);
         let passes = |point, slopes| path.trace(film_ray(point, film, slopes)).is_ok();
         for k in 0..20_u32 {
             let at = |step: f64| (0.5 + f64::from(k) * step).fract();
@@ -117,7 +158,10 @@ mod tests {
                 let at = |step: f64| (0.5 + f64::from(i) * step).fract();
                 let (radius, angle) = (at(STEPS[2]).sqrt(), std::f64::consts::TAU * at(STEPS[3]));
                 let disk = [radius * angle.cos(), radius * angle.sin()];
-                let samples = [symmetric.sample(point, disk).expect("lit"), rectangle.sample(point, disk)];
+                let samples = [
+                    symmetric.sample(point, disk).expect("lit"),
+                    rectangle.sample(point, disk).expect("lit").1,
+                ];
                 for (which, sample) in samples.iter().enumerate() {
                     if passes(point, sample.slopes) {
                         areas[which] += sample.area / f64::from(SAMPLES);

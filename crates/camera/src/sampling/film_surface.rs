@@ -1,0 +1,254 @@
+//! The surface of a film that is moved aside, tilted or curved.
+//!
+//! A point (u, v) of the flat film, mm from its centre, lies in space at
+//!
+//! ```text
+//! C + R (u, v, w),   w = -c r² / (1 + √(1 - c² r²)),   r² = u² + v²,
+//! ```
+//!
+//! where C is the film's centre, R the rotation and c the curvature: the raster is projected along the film's own axis
+//! onto a sphere. The unit normal, toward the lens, is R (c u, c v, 1 + c w).
+//!
+//! The camera traces all rays from the plane across the axis through C, which flat film without a tilt lies in. A ray
+//! that leaves a point of another surface is continued to that plane; [`FilmPoint::ahead`] is how far the point lies in
+//! front of it.
+
+use realistic_simd::{Cpu, Lanes, OneLane, Portable, Scalar};
+
+/// A film's surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FilmSurface {
+    /// x and y of the centre, mm.
+    shift: [f64; 2],
+    /// The rows of R.
+    rotation: [[f64; 3]; 3],
+    /// c, 1/mm: positive if the sphere's centre lies behind the film.
+    curvature: f64,
+}
+
+/// Points of a film.
+#[derive(Clone, Copy, Debug)]
+pub struct FilmPoint<L> {
+    /// x and y, mm.
+    pub point: [L; 2],
+    /// Distance in front of the film's plane across the axis, mm.
+    pub ahead: L,
+    /// The unit normal, toward the lens.
+    pub normal: [L; 3],
+}
+
+/// Points where rays meet a film.
+#[derive(Clone, Copy, Debug)]
+pub struct FilmMeeting<L> {
+    /// (u, v), mm.
+    pub flat: [L; 2],
+    /// The same point in space.
+    pub at: FilmPoint<L>,
+    /// du dv over the area of the film: the cosine between the normal and the film's own axis.
+    pub flat_per_area: L,
+}
+
+impl FilmSurface {
+    /// Flat film across the axis, centred on it.
+    pub const FLAT: Self = Self {
+        shift: [0.0; 2],
+        rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        curvature: 0.0,
+    };
+
+    /// Returns a film whose centre is moved by `shift` mm, which is then tilted about its own x axis and after that
+    /// about its own y axis by `tilt` degrees, and curved with a signed radius in mm, infinite for a flat one.
+    ///
+    /// A positive tilt about x turns the normal from the axis toward -y, one about y toward +x. A positive radius has
+    /// its centre behind the film.
+    pub fn new(shift: [f64; 2], tilt: [f64; 2], radius: f64) -> Self {
+        let [[sin_x, cos_x], [sin_y, cos_y]] = tilt.map(|degrees| {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            [sin, cos]
+        });
+        let rotation = [
+            [cos_y, 0.0, sin_y],
+            [sin_x * sin_y, cos_x, -sin_x * cos_y],
+            [-cos_x * sin_y, sin_x, cos_x * cos_y],
+        ];
+        Self { shift, rotation, curvature: radius.recip() }
+    }
+
+    /// Returns x and y of the film's centre, mm.
+    pub fn shift(&self) -> [f64; 2] {
+        self.shift
+    }
+
+    /// Whether all points lie in the plane across the axis.
+    pub fn is_across(&self) -> bool {
+        self.rotation[2][2] == 1.0 && self.curvature == 0.0
+    }
+
+    /// Returns x and y of a point of the flat film in space, mm, and how far it lies in front of the plane across the
+    /// axis.
+    pub fn point(&self, flat: [f64; 2]) -> ([f64; 2], f64) {
+        let flat = flat.map(|number| Portable([number]));
+        let FilmPoint { point: [Portable([x]), Portable([y])], ahead: Portable([ahead]), .. } =
+            self.constants().lift(OneLane::cpu(), flat);
+        ([x, y], ahead)
+    }
+
+    /// Returns the surface's constants in the precision of lanes.
+    pub fn constants<S: Scalar>(&self) -> SurfaceConstants<S> {
+        SurfaceConstants {
+            shift: self.shift.map(S::from_f64),
+            rotation: self.rotation.map(|row| row.map(S::from_f64)),
+            curvature: S::from_f64(self.curvature),
+        }
+    }
+}
+
+/// A [`FilmSurface`] in the precision of lanes.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfaceConstants<S> {
+    shift: [S; 2],
+    rotation: [[S; 3]; 3],
+    curvature: S,
+}
+
+impl<S: Scalar> SurfaceConstants<S> {
+    /// Returns the points of the flat film in space. They are NaN beyond the sphere.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn lift<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, [u, v]: [L; 2]) -> FilmPoint<L> {
+        let (one, c) = (L::splat(cpu, S::ONE), L::splat(cpu, self.curvature));
+        let square = v.mul_add(v, u * u);
+        let cosine = (c * c * square).neg_mul_add(one, one).sqrt();
+        let w = (c * square) / (L::splat(cpu, S::ZERO) - one - cosine);
+        self.placed(cpu, [u, v, w], [c * u, c * v, cosine])
+    }
+
+    /// Returns the points where rays through the plane across the axis, at (x, y) with slopes, meet the film. They are
+    /// NaN for rays that miss the sphere.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn meet<L: Lanes<Scalar = S>>(
+        &self,
+        cpu: Cpu<L>,
+        [x, y]: [L; 2],
+        [sx, sy]: [L; 2],
+    ) -> FilmMeeting<L> {
+        let number = |number| L::splat(cpu, number);
+        let (zero, one, c) = (number(S::ZERO), number(S::ONE), number(self.curvature));
+        // In the film's own frame, which the inverse of R, its transpose, leads to.
+        let own = |[a, b, z]: [L; 3]| -> [L; 3] {
+            std::array::from_fn(|k| {
+                let [r0, r1, r2] = [0, 1, 2].map(|row| number(self.rotation[row][k]));
+                a.mul_add(r0, b.mul_add(r1, z * r2))
+            })
+        };
+        let [ox, oy, oz] = own([x - number(self.shift[0]), y - number(self.shift[1]), zero]);
+        let [dx, dy, dz] = own([sx, sy, one]);
+        let dot = |a: [L; 3], b: [L; 3]| a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]));
+        // The sphere is c (u² + v² + w²) + 2 w = 0; of its two roots the one near the film's plane, which does not cancel.
+        let a = c * dot([dx, dy, dz], [dx, dy, dz]);
+        let b = dz + c * dot([ox, oy, oz], [dx, dy, dz]);
+        let e = oz + oz + c * dot([ox, oy, oz], [ox, oy, oz]);
+        let root = b.mul_add(b, zero - a * e).sqrt();
+        let along = (zero - e) / (b + L::select(b.less(zero), zero - root, root));
+        let [u, v, w] = [along.mul_add(dx, ox), along.mul_add(dy, oy), along.mul_add(dz, oz)];
+        let cosine = c.mul_add(w, one);
+        let at = self.placed(cpu, [u, v, w], [c * u, c * v, cosine]);
+        FilmMeeting { flat: [u, v], at, flat_per_area: cosine }
+    }
+
+    /// Returns a point and a normal of the film's own frame in space.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn placed<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, point: [L; 3], normal: [L; 3]) -> FilmPoint<L> {
+        let number = |number| L::splat(cpu, number);
+        let turned = |[a, b, z]: [L; 3]| -> [L; 3] {
+            self.rotation.map(|[r0, r1, r2]| a.mul_add(number(r0), b.mul_add(number(r1), z * number(r2))))
+        };
+        let [x, y, ahead] = turned(point);
+        let point = [x + number(self.shift[0]), y + number(self.shift[1])];
+        FilmPoint { point, ahead, normal: turned(normal) }
+    }
+}
+
+impl<L: Lanes> FilmPoint<L> {
+    /// Returns cos θ_f over cos θ_a of rays with slopes: θ_f is the angle to the film's normal, θ_a that to the axis.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn facing(&self, [sx, sy]: [L; 2]) -> L {
+        let [nx, ny, nz] = self.normal;
+        sx.mul_add(nx, sy.mul_add(ny, nz))
+    }
+
+    /// Returns the points where rays with slopes cross the plane across the axis.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn on_plane(&self, [sx, sy]: [L; 2]) -> [L; 2] {
+        let [x, y] = self.point;
+        [self.ahead.neg_mul_add(sx, x), self.ahead.neg_mul_add(sy, y)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    type One = Portable<f64, 1>;
+
+    fn lanes<const N: usize>(numbers: [f64; N]) -> [One; N] {
+        numbers.map(|number| Portable([number]))
+    }
+
+    fn numbers<const N: usize>(lanes: [One; N]) -> [f64; N] {
+        lanes.map(|Portable([number])| number)
+    }
+
+    fn lift(surface: &FilmSurface, flat: [f64; 2]) -> ([f64; 2], f64, [f64; 3]) {
+        let FilmPoint { point, ahead, normal } = surface.constants().lift::<One>(OneLane::cpu(), lanes(flat));
+        (numbers(point), numbers([ahead])[0], numbers(normal))
+    }
+
+    #[test]
+    fn a_tilt_turns_the_normal_as_documented_and_the_second_axis_with_the_first() {
+        let [sin, cos] = [30.0_f64.to_radians().sin(), 30.0_f64.to_radians().cos()];
+        for (tilt, expected) in [([30.0, 0.0], [0.0, -sin, cos]), ([0.0, 30.0], [sin, 0.0, cos])] {
+            let (_, _, normal) = lift(&FilmSurface::new([0.0; 2], tilt, f64::INFINITY), [0.0; 2]);
+            for axis in 0..3 {
+                assert!((normal[axis] - expected[axis]).abs() < 1e-15, "{tilt:?} {normal:?}");
+            }
+        }
+        // After a quarter turn about x, the film's own y axis points to +z.
+        let ([x, y], ahead, normal) =
+            lift(&FilmSurface::new([1.0, 2.0], [90.0, 30.0], f64::INFINITY), [0.0, 3.0]);
+        assert!((x - 1.0).abs() < 1e-15 && (y - 2.0).abs() < 1e-15 && (ahead - 3.0).abs() < 1e-15);
+        assert!((normal[0] - sin).abs() < 1e-15 && (normal[1] + cos).abs() < 1e-15, "{normal:?}");
+    }
+
+    #[test]
+    fn a_curved_film_lies_on_its_sphere_with_the_normal_along_the_radius() {
+        for radius in [-12.0, 30.0] {
+            let surface = FilmSurface::new([0.5, -0.25], [0.0; 2], radius);
+            let ([x, y], ahead, normal) = lift(&surface, [3.0, 4.0]);
+            let from_centre = [x - 0.5, y + 0.25, ahead + radius];
+            let distance = from_centre.iter().map(|part| part * part).sum::<f64>().sqrt();
+            assert!((distance - radius.abs()).abs() < 1e-13 && (ahead < 0.0) == (radius > 0.0), "{ahead}");
+            for axis in 0..3 {
+                assert!((normal[axis] - from_centre[axis] / radius).abs() < 1e-15, "{normal:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn rays_that_leave_a_point_meet_the_film_there() {
+        for (k, radius) in [f64::INFINITY, -14.0, 25.0].into_iter().cycle().take(60).enumerate() {
+            let at = |step: f64| 2.0 * (0.5 + k as f64 * step).fract() - 1.0;
+            let surface =
+                FilmSurface::new([at(0.37), 2.0 * at(0.61)], [25.0 * at(0.23), 30.0 * at(0.71)], radius);
+            let (flat, slopes) = ([5.0 * at(0.11), 6.0 * at(0.53)], [0.5 * at(0.19), 0.5 * at(0.83)]);
+            let (constants, cpu) = (surface.constants(), OneLane::cpu());
+            let left = constants.lift::<One>(cpu, lanes(flat));
+            let met = constants.meet(cpu, left.on_plane(lanes(slopes)), lanes(slopes));
+            let (found, ahead) = (numbers(met.flat), numbers([left.ahead, met.at.ahead]));
+            for axis in 0..2 {
+                assert!((found[axis] - flat[axis]).abs() < 1e-12, "{surface:?} {flat:?} {found:?}");
+            }
+            assert!((ahead[0] - ahead[1]).abs() < 1e-12, "{ahead:?}");
+            let [own, facing] = numbers([left.facing(lanes(slopes)), met.at.facing(lanes(slopes))]);
+            assert!((own - facing).abs() < 1e-12, "{own} {facing}");
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! The pupils of film that does not lie in one plane across the axis: tilted or curved film.
+//!
+//! Each point of such film has its own distance to the lens, so that a pupil depends on x and y of the film. Rays are
+//! continued to the plane across the axis through the film's centre, from which the camera traces them.
+
+use std::f64::consts::PI;
+
+use super::{
+    film_rays::FilmRays,
+    film_surface::{FilmMeeting, FilmPoint, FilmSurface, SurfaceConstants},
+    pupil_disk::{LaneDisk, PupilDisk, PupilSample},
+    pupil_map::{MapConstants, RectanglePupil},
+};
+use realistic_base::numeric::Real;
+use realistic_optics::trace::Path;
+use realistic_simd::{Compiled, Cpu, Lanes, OneLane, Portable, Scalar, Simd};
+
+/// The region of the lens samples of tilted or curved film.
+#[derive(Clone, Debug)]
+pub struct PosedPupil {
+    surface: FilmSurface,
+    /// The true pupils; `None` if a disk is sampled.
+    table: Option<RectanglePupil>,
+    /// The disk, which is sampled outside the table, too.
+    disk: PupilDisk,
+}
+
+/// Constants of a [`PosedPupil`] in the precision of lanes.
+#[derive(Clone, Copy, Debug)]
+pub struct LanePosed<S> {
+    surface: SurfaceConstants<S>,
+    /// Of the table, if there is one.
+    table: Option<MapConstants<S>>,
+    disk: LaneDisk<S>,
+}
+
+impl PosedPupil {
+    /// Tabulates the true pupils of a rectangle of film: see [`RectanglePupil::new`].
+    pub fn new(
+        path: &Path,
+        film: f64,
+        surface: &FilmSurface,
+        rectangle: [[f64; 2]; 2],
+        [cover, exit]: [PupilDisk; 2],
+    ) -> Self {
+        let table = RectanglePupil::new(path, film, surface, rectangle, [cover, exit]);
+        Self { surface: *surface, table: Some(table), disk: cover }
+    }
+
+    /// Samples a disk in place of the true pupils.
+    pub fn of_disk(surface: &FilmSurface, disk: PupilDisk) -> Self {
+        Self { surface: *surface, table: None, disk }
+    }
+
+    /// Returns this film with the disk that holds every pupil as the region of its samples.
+    pub fn over_disk(&self) -> Self {
+        Self::of_disk(&self.surface, self.disk)
+    }
+
+    /// Returns the disk; `None` if the true pupils are sampled.
+    pub fn disk(&self) -> Option<&PupilDisk> {
+        self.table.is_none().then_some(&self.disk)
+    }
+
+    /// Returns the share of the film over which the disk is used instead of the pupil.
+    pub fn covered(&self) -> f64 {
+        self.table.as_ref().map_or(0.0, RectanglePupil::covered)
+    }
+
+    /// Returns the constants of the precision.
+    pub(crate) fn constants<S: Scalar>(&self) -> LanePosed<S> {
+        LanePosed {
+            surface: self.surface.constants(),
+            table: self.table.as_ref().map(RectanglePupil::constants),
+            disk: self.disk.lane_disk(),
+        }
+    }
+
+    /// Sets the slopes and areas of rays from points of the flat film, and replaces the points by those where the rays
+    /// cross the plane across the axis. The area is over π and includes cos θ_f over cos θ_a; it is NaN where the film
+    /// faces away from the lens.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn lanes<L: Lanes, const U: usize>(
+        &self,
+        cpu: Cpu<L>,
+        constants: &LanePosed<L::Scalar>,
+        rays: &mut [FilmRays<L>; U],
+    ) {
+        for ray in rays {
+            let at = constants.surface.lift(cpu, ray.point);
+            (ray.slopes, ray.area_per_pi) = self.aimed(cpu, constants, ray, &at);
+            ray.area_per_pi = lit(cpu, ray.area_per_pi, at.facing(ray.slopes));
+            ray.point = at.on_plane(ray.slopes);
+        }
+    }
+
+    /// Returns slopes, and areas per sample over π.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn aimed<L: Lanes>(
+        &self,
+        cpu: Cpu<L>,
+        constants: &LanePosed<L::Scalar>,
+        ray: &FilmRays<L>,
+        at: &FilmPoint<L>,
+    ) -> ([L; 2], L) {
+        let (Some(table), Some(own)) = (&self.table, &constants.table) else {
+            return constants.disk.lanes_ahead(cpu, at.point, at.ahead, ray.disk);
+        };
+        let (slopes, area, is_inside) = table.lanes(cpu, own, ray.point, ray.disk);
+        if L::all(is_inside) {
+            return (slopes, area);
+        }
+        let (others, whole) = constants.disk.lanes_ahead(cpu, at.point, at.ahead, ray.disk);
+        let slopes = [0, 1].map(|axis| L::select(is_inside, slopes[axis], others[axis]));
+        (slopes, L::select(is_inside, area, whole))
+    }
+
+    /// Sets the areas of rays with slopes through the plane across the axis as [`PosedPupil::lanes`] does, NaN outside
+    /// the sampled region, and replaces their points there by points of the flat film. Returns the flat film's area
+    /// over that of the surface.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub(crate) fn areas<L: Lanes, const U: usize>(
+        &self,
+        cpu: Cpu<L>,
+        constants: &LanePosed<L::Scalar>,
+        rays: &mut [FilmRays<L>; U],
+    ) -> [L; U] {
+        let mut flat_per_area = [L::splat(cpu, L::Scalar::ONE); U];
+        for (ray, flat_per_area) in rays.iter_mut().zip(&mut flat_per_area) {
+            let FilmMeeting { flat, at, flat_per_area: found } =
+                constants.surface.meet(cpu, ray.point, ray.slopes);
+            let of_disk = constants.disk.areas_ahead(cpu, at.point, at.ahead, ray.slopes);
+            let area = match (&self.table, &constants.table) {
+                (Some(table), Some(own)) => {
+                    let (area, is_inside) = table.areas(cpu, own, flat, ray.slopes);
+                    L::select(is_inside, area, of_disk)
+                }
+                _ => of_disk,
+            };
+            ray.area_per_pi = lit(cpu, area, at.facing(ray.slopes));
+            (ray.point, *flat_per_area) = (flat, found);
+        }
+        flat_per_area
+    }
+
+    /// Returns the ray from a point of the flat film, mm, for a point of the unit disk: the point where it crosses the
+    /// plane across the axis, and its slopes with the area per sample, as [`PosedPupil::lanes`] has them. `None` where
+    /// the film faces away from the lens.
+    pub fn sample(&self, flat: [f64; 2], disk: [f64; 2]) -> Option<([f64; 2], PupilSample)> {
+        let [point, disk] = [flat, disk].map(|pair| pair.map(|number| Portable([number])));
+        let mut rays = [FilmRays { point, disk, slopes: disk, area_per_pi: Portable([0.0]) }];
+        Simd::best().run(OneSample { pupil: self, rays: &mut rays });
+        let FilmRays { point, slopes, area_per_pi, .. } = rays[0].widened();
+        (!area_per_pi.is_nan()).then_some((point, PupilSample { slopes, area: PI * area_per_pi }))
+    }
+}
+
+/// Returns areas times cos θ_f over cos θ_a; NaN where that is not positive.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn lit<L: Lanes>(cpu: Cpu<L>, area: L, facing: L) -> L {
+    let number = |number: f64| L::splat(cpu, L::Scalar::from_f64(number));
+    L::select(number(0.0).less(facing), area * facing, number(f64::NAN))
+}
+
+/// Computes one sample with the processor's own fused multiplications.
+struct OneSample<'a> {
+    pupil: &'a PosedPupil,
+    rays: &'a mut [FilmRays<Portable<f64, 1>>; 1],
+}
+
+impl Compiled for OneSample<'_> {
+    #[inline(always)]
+    fn run(self) {
+        self.pupil.lanes(OneLane::cpu(), &self.pupil.constants(), self.rays);
+    }
+}
