@@ -56,8 +56,8 @@ fn a_misspelt_parameter_is_reported_with_the_nearest_name() {
             Parameters::default().set(given, Value::Float(1.0)).expect_err("no such name").to_string();
         assert!(message.starts_with(&end), "{message}");
     }
-    let far = Parameters::default().set_from_text("exposure", "1").expect_err("no such name").to_string();
-    assert!(far.starts_with("no parameter is called \"exposure\"; the names are "), "{far}");
+    let far = Parameters::default().set_from_text("saturation", "1").expect_err("no such name").to_string();
+    assert!(far.starts_with("no parameter is called \"saturation\"; the names are "), "{far}");
 }
 
 #[test]
@@ -84,7 +84,7 @@ fn no_message_repeats_a_long_text_or_number() {
             .map_err(|error| error.to_string())
             .and_then(|()| build(&host(), &given).map(drop).map_err(|error| error.to_string()))
             .expect_err("refused");
-        assert!(message.len() < 600, "{} bytes: {message:.300}", message.len());
+        assert!(message.len() < 700, "{} bytes: {message:.300}", message.len());
     }
     let fast = build(&host(), &[("fnumber", "1e-300")]).expect("a camera").1;
     assert!(fast[0].contains("\"fnumber\" 1e-300 is faster"), "{fast:?}");

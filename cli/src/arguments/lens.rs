@@ -246,6 +246,15 @@ impl LensChoice {
         self.open_with(&[&LENS_PARAMETERS[..], &["transmission"]].concat())
     }
 
+    /// Finds the lens and accepts the parameters of the exposure, too.
+    ///
+    /// # Errors
+    /// As [`open_lens`].
+    pub fn open_with_exposure(&self) -> Result<OpenedLens, Failure> {
+        let of_exposure = ["iso", "exposure_time", "exposure", "responsivity"];
+        self.open_with(&[&LENS_PARAMETERS[..], &of_exposure].concat())
+    }
+
     /// Finds the lens and leaves it as its file describes it.
     ///
     /// # Errors

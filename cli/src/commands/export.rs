@@ -3,17 +3,19 @@
 use crate::arguments::{LensChoice, OpenedLens, size};
 use crate::console;
 use crate::export::{
-    ChiefField, Errors, FieldError, Film, Fitted, Focus, Illumination, LensData, Map, Model, Quantity,
-    Report, Spot, ftheta_usda, opencv_yaml, opentrackio_json, rays, spots, st_maps, usda,
+    ChiefField, Errors, Exposure, FieldError, Film, Fitted, Focus, Illumination, LensData, Map, Model,
+    Quantity, Report, Spot, ftheta_usda, opencv_yaml, opentrackio_json, rays, spots, st_maps, usda,
 };
 use crate::failure::Failure;
 use crate::files;
 use crate::image::check_memory;
 use realistic_base::message::short;
+use realistic_camera::{Parameters, sampling::PupilDisk};
 use realistic_light::{Surfaces, TStop};
 use realistic_optics::{
-    imaging::axial_beam::AxialBeam,
+    imaging::{axial_beam::AxialBeam, irradiance::on_axis},
     lens::{Lens, first_order::FirstOrder},
+    trace::Path as LightPath,
 };
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -100,6 +102,31 @@ impl ExportFormat {
     }
 }
 
+/// Returns the exposure, if one of its parameters is given.
+///
+/// # Errors
+/// The middle of the film is dark.
+fn exposure(given: &Parameters, lens: &Lens, film: Film) -> Result<Option<Exposure>, Failure> {
+    let numbers = [given.iso, given.exposure_time, given.exposure, given.responsivity];
+    if numbers.iter().all(Option::is_none) {
+        return Ok(None);
+    }
+    let rear = PupilDisk::rear(lens, film.z, 0.0);
+    let light =
+        rear.map_or(0.0, |rear| on_axis(&LightPath::<f64>::film_to_scene(lens), film.z, rear.slope_radius()));
+    if !(light > 0.0) {
+        return Err(Failure::Other(format!("the middle of the film of lens \"{}\" is dark", lens.name)));
+    }
+    let [iso, time, stops, responsivity] = numbers;
+    Ok(Some(Exposure {
+        iso: iso.unwrap_or(100.0),
+        time: time.unwrap_or(1.0),
+        stops: stops.unwrap_or(0.0),
+        responsivity: responsivity.unwrap_or(1.0),
+        fstop: (std::f64::consts::PI / (4.0 * light)).sqrt(),
+    }))
+}
+
 /// Points along the film's radius: [`RINGS`] for the export itself, [`COARSE`] for the lens focused elsewhere.
 const RINGS: u32 = 2049;
 const COARSE: u32 = 65;
@@ -121,6 +148,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let out = out(args)?;
     let opened = match format {
         ExportFormat::OpenTrackIo => args.lens.open_with_transmission()?,
+        ExportFormat::Usd => args.lens.open_with_exposure()?,
         _ => args.lens.open()?,
     };
     if format.is_map() && out.is_some() {
@@ -175,6 +203,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         focal_length: first_order.focal_length,
         fnumber: beam.fnumber(first_order.focal_length),
         tnumber: stop.map(|stop| stop.number),
+        exposure: exposure(opened.parameters(), lens, here)?,
         wavelength: lens.wavelength,
         film_distance,
         mm_per_unit: opened.parameters().mm_per_unit.unwrap_or(1.0),

@@ -17,12 +17,30 @@ pub struct LensData<'a> {
     pub fnumber: f64,
     /// f-number over the square root of the transmission on the axis, if a coating is given.
     pub tnumber: Option<f64>,
+    /// The exposure, if one is given.
+    pub exposure: Option<Exposure>,
     /// Wavelength, nm.
     pub wavelength: f64,
     /// Distance from the last vertex to the film, mm.
     pub film_distance: f64,
     /// mm per world unit.
     pub mm_per_unit: f64,
+}
+
+/// Exposure of a camera, as `UsdGeomCamera` has it: its linear scale is responsivity · time · iso / 100 · 2^exposure /
+/// f-stop².
+#[derive(Clone, Copy, Debug)]
+pub struct Exposure {
+    /// Sensitivity.
+    pub iso: f64,
+    /// Time, s.
+    pub time: f64,
+    /// Compensation, stops.
+    pub stops: f64,
+    /// Response to light.
+    pub responsivity: f64,
+    /// f-number of a lens without loss that lights the middle of the film as much as this one, at this focus.
+    pub fstop: f64,
 }
 
 /// Writes `OpenCV`'s calibration file, for `cv2.FileStorage`.
@@ -131,6 +149,13 @@ pub fn usda(
     worst: f64,
 ) -> String {
     let mut text = camera(lens, rays);
+    if let Some(Exposure { iso, time, stops, responsivity, fstop }) = lens.exposure {
+        let _ = writeln!(
+            text,
+            "    float exposure = {stops}\n    float exposure:iso = {iso}\n    float exposure:time = {time}\n    \
+             float exposure:fStop = {fstop}\n    float exposure:responsivity = {responsivity}"
+        );
+    }
     let quoted = lens.name.replace('\\', "\\\\").replace('"', "\\\"");
     let _ = writeln!(text, "    custom string realistic:lens = \"{quoted}\"");
     let mut number = |name: &str, value: f64| {

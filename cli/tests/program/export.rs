@@ -442,3 +442,21 @@ fn the_catalogues_table_is_what_the_program_prints() {
     }
     assert_eq!(written, table, "REALISTIC_WRITE_TABLE=1 writes it anew");
 }
+
+#[test]
+fn usd_has_an_exposure_only_if_one_is_given() {
+    let usd = |more: &[&str]| {
+        succeeds(&[&["export", "dgauss.50mm", "--as", "usd", "--out", "-"], more].concat(), "")
+    };
+    assert!(!usd(&[]).contains("exposure"));
+    let exposed = usd(&["--iso", "200", "--exposure-time", "0.01", "--exposure", "-1"]);
+    let attribute = |name: &str| -> f64 {
+        let (_, rest) =
+            exposed.split_once(&format!("    float {name} = ")).unwrap_or_else(|| panic!("{name}"));
+        rest.lines().next().unwrap().parse().unwrap()
+    };
+    let names = ["exposure", "exposure:iso", "exposure:time", "exposure:responsivity"];
+    assert_eq!(names.map(attribute), [-1.0, 200.0, 0.01, 1.0]);
+    // A corrected lens at infinity: the T-number without loss is nearly the f-number.
+    assert!((attribute("exposure:fStop") / attribute("fStop") - 1.0).abs() < 0.05, "{exposed}");
+}

@@ -402,7 +402,7 @@ mod tests {
         ] {
             assert_eq!(Parameters::nearest(given), Some(own), "{given}");
         }
-        assert_eq!(Parameters::nearest("exposure"), None);
+        assert_eq!(Parameters::nearest("saturation"), None);
         for (word, own) in OTHER_WORDS {
             assert!(Parameters::find(own).is_some() && Parameters::find(word).is_none(), "{word}");
         }
