@@ -357,3 +357,25 @@ def test_a_distance_that_is_no_number_is_a_type_error(given):
         with pytest.raises(TypeError, match=f"^{name} must be a number, not "):
             method(given)
     assert lens.focus(np.float32(1000)) == lens.focus(1000)
+
+
+def test_a_tilted_film_is_in_focus_on_its_plane():
+    """Rays from film points of the solved camera meet on the plane, over a wide range of depths."""
+    lens = Lens("dgauss.50mm", fnumber=8)
+    points = np.array([[-200.0, -150.0, 700.0], [250.0, -150.0, 900.0], [0.0, -150.0, 1600.0]])
+    film = lens.plane_of_focus(points)
+    camera = realistic.Camera("dgauss.50mm", resolution=(300, 200), fnumber=8, **film)
+    u, v = np.meshgrid(*2 * [(np.arange(12) + 0.5) / 12])
+    samples = np.stack([u, v], axis=-1).reshape(-1, 2).astype(np.float32)
+    depths = []
+    for image in ([150, 140], [110, 160], [200, 190]):
+        rays = camera.rays(np.broadcast_to(image, (len(samples), 2)).astype(np.float32), samples)
+        origin, direction = (part[rays.weight > 0].astype(float) for part in (rays.origin, rays.direction))
+        hits = origin + direction * ((-150.0 - origin[:, 1:2]) / direction[:, 1:2])
+        assert hits[:, 0].std() < 0.5
+        depths.append(hits[:, 2].mean())
+    assert np.ptp(depths) > 200
+    with pytest.raises(realistic.FocusError, match="point 1 at z = 10 mm has no real image"):
+        lens.plane_of_focus([[0, 0, 10], [1, 0, 900], [0, 1, 900]])
+    with pytest.raises(ValueError, match="three points"):
+        lens.plane_of_focus([[0, 0, 900]])

@@ -300,10 +300,11 @@ class Lens:
 
         Examples
         --------
+        >>> import realistic
         >>> lens = realistic.Lens("dgauss.50mm")
         >>> film = lens.plane_of_focus([[0, -100, 800], [0, 100, 1200], [100, 0, 1000]])
         >>> round(film["film_tilt_x"], 2)
-        -1.46
+        -5.91
         """
         given = np.asarray(points)
         if given.shape != (3, 3) or not np.can_cast(given.dtype, np.float64, "same_kind"):
