@@ -86,33 +86,32 @@ impl PosedPupil {
         constants: &LanePosed<L::Scalar>,
         rays: &mut [FilmRays<L>; U],
     ) {
-        for ray in rays {
-            let at = constants.surface.lift(cpu, ray.point);
-            (ray.slopes, ray.area_per_pi) = self.aimed(cpu, constants, ray, &at);
+        // In steps, so that the look-ups of one vector overlap the arithmetic of others.
+        let mut points = [constants.surface.lift(cpu, rays[0].point); U];
+        for u in 1..U {
+            points[u] = constants.surface.lift(cpu, rays[u].point);
+        }
+        if let (Some(table), Some(own)) = (&self.table, &constants.table) {
+            let mut locations = [table.locate(cpu, own, rays[0].point); U];
+            for u in 1..U {
+                locations[u] = table.locate(cpu, own, rays[u].point);
+            }
+            for u in 0..U {
+                (rays[u].slopes, rays[u].area_per_pi) = table.at(cpu, &locations[u], rays[u].disk);
+                if !L::all(locations[u].inside) {
+                    constants.aim_at_disk(cpu, &points[u], locations[u].inside, &mut rays[u]);
+                }
+            }
+        } else {
+            for u in 0..U {
+                (rays[u].slopes, rays[u].area_per_pi) =
+                    constants.disk.lanes_ahead(cpu, points[u].point, points[u].ahead, rays[u].disk);
+            }
+        }
+        for (ray, at) in rays.iter_mut().zip(&points) {
             ray.area_per_pi = lit(cpu, ray.area_per_pi, at.facing(ray.slopes));
             ray.point = at.on_plane(ray.slopes);
         }
-    }
-
-    /// Returns slopes, and areas per sample over π.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn aimed<L: Lanes>(
-        &self,
-        cpu: Cpu<L>,
-        constants: &LanePosed<L::Scalar>,
-        ray: &FilmRays<L>,
-        at: &FilmPoint<L>,
-    ) -> ([L; 2], L) {
-        let (Some(table), Some(own)) = (&self.table, &constants.table) else {
-            return constants.disk.lanes_ahead(cpu, at.point, at.ahead, ray.disk);
-        };
-        let (slopes, area, is_inside) = table.lanes(cpu, own, ray.point, ray.disk);
-        if L::all(is_inside) {
-            return (slopes, area);
-        }
-        let (others, whole) = constants.disk.lanes_ahead(cpu, at.point, at.ahead, ray.disk);
-        let slopes = [0, 1].map(|axis| L::select(is_inside, slopes[axis], others[axis]));
-        (slopes, L::select(is_inside, area, whole))
     }
 
     /// Sets the areas of rays with slopes through the plane across the axis as [`PosedPupil::lanes`] does, NaN outside
@@ -125,20 +124,29 @@ impl PosedPupil {
         constants: &LanePosed<L::Scalar>,
         rays: &mut [FilmRays<L>; U],
     ) -> [L; U] {
-        let mut flat_per_area = [L::splat(cpu, L::Scalar::ONE); U];
-        for (ray, flat_per_area) in rays.iter_mut().zip(&mut flat_per_area) {
-            let FilmMeeting { flat, at, flat_per_area: found } =
-                constants.surface.meet(cpu, ray.point, ray.slopes);
-            let of_disk = constants.disk.areas_ahead(cpu, at.point, at.ahead, ray.slopes);
-            let area = match (&self.table, &constants.table) {
-                (Some(table), Some(own)) => {
-                    let (area, is_inside) = table.areas(cpu, own, flat, ray.slopes);
-                    L::select(is_inside, area, of_disk)
-                }
-                _ => of_disk,
-            };
-            ray.area_per_pi = lit(cpu, area, at.facing(ray.slopes));
-            (ray.point, *flat_per_area) = (flat, found);
+        let mut found = [constants.surface.meet(cpu, rays[0].point, rays[0].slopes); U];
+        for u in 1..U {
+            found[u] = constants.surface.meet(cpu, rays[u].point, rays[u].slopes);
+        }
+        for (ray, FilmMeeting { at, .. }) in rays.iter_mut().zip(&found) {
+            ray.area_per_pi = constants.disk.areas_ahead(cpu, at.point, at.ahead, ray.slopes);
+        }
+        if let (Some(table), Some(own)) = (&self.table, &constants.table) {
+            let mut locations = [table.locate(cpu, own, found[0].flat); U];
+            let mut slopes = [rays[0].slopes; U];
+            for u in 1..U {
+                locations[u] = table.locate(cpu, own, found[u].flat);
+                slopes[u] = rays[u].slopes;
+            }
+            let areas = table.areas(cpu, &locations, &slopes);
+            for u in 0..U {
+                rays[u].area_per_pi = L::select(locations[u].inside, areas[u], rays[u].area_per_pi);
+            }
+        }
+        let mut flat_per_area = [found[0].flat_per_area; U];
+        for u in 0..U {
+            rays[u].area_per_pi = lit(cpu, rays[u].area_per_pi, found[u].at.facing(rays[u].slopes));
+            (rays[u].point, flat_per_area[u]) = (found[u].flat, found[u].flat_per_area);
         }
         flat_per_area
     }
@@ -152,6 +160,24 @@ impl PosedPupil {
         Simd::best().run(OneSample { pupil: self, rays: &mut rays });
         let FilmRays { point, slopes, area_per_pi, .. } = rays[0].widened();
         (!area_per_pi.is_nan()).then_some((point, PupilSample { slopes, area: PI * area_per_pi }))
+    }
+}
+
+impl<S: Scalar> LanePosed<S> {
+    /// Aims rays from points outside the table at the disk.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn aim_at_disk<L: Lanes<Scalar = S>>(
+        &self,
+        cpu: Cpu<L>,
+        at: &FilmPoint<L>,
+        inside: L::Mask,
+        ray: &mut FilmRays<L>,
+    ) {
+        let (slopes, area) = self.disk.lanes_ahead(cpu, at.point, at.ahead, ray.disk);
+        for axis in 0..2 {
+            ray.slopes[axis] = L::select(inside, ray.slopes[axis], slopes[axis]);
+        }
+        ray.area_per_pi = L::select(inside, ray.area_per_pi, area);
     }
 }
 

@@ -193,15 +193,48 @@ impl PupilMap {
         first: L,
         column: L,
     ) -> GridLocation<L> {
+        let [before, part] = self.column(cpu, column);
+        let [[end, step, ..]] = L::look_up::<1, 1>(&self.ends, before.whole(), [0]);
+        let location = self.locate_scaled(cpu, constants, first / part.mul_add(step, end));
+        self.in_column(cpu, location, before, part)
+    }
+
+    /// Locates points as [`PupilMap::locate_in_columns`] does, in a grid whose columns all have the same end.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn locate_in_rectangle<L: Lanes>(
+        &self,
+        cpu: Cpu<L>,
+        constants: &MapConstants<L::Scalar>,
+        first: L,
+        column: L,
+    ) -> GridLocation<L> {
+        let [before, part] = self.column(cpu, column);
+        let location = self.locate(cpu, constants, first);
+        self.in_column(cpu, location, before, part)
+    }
+
+    /// Returns the column before a point, and the point's fraction of the interval to the next one.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn column<L: Lanes>(&self, cpu: Cpu<L>, column: L) -> [L; 2] {
         let number = |number: f64| L::splat(cpu, L::Scalar::from_f64(number));
         let columns = self.intervals[1] as f64;
         // In this order NaN becomes 0.
         let column = column.larger(number(0.0)).smaller(number(columns));
         let before = column.smaller(number(columns - 1.0)).trunc();
-        let part = column - before;
-        let [[end, step, ..]] = L::look_up::<1, 1>(&self.ends, before.whole(), [0]);
-        let mut location = self.locate_scaled(cpu, constants, first / part.mul_add(step, end));
-        location.node = before.mul_add(number((self.intervals[0] + 1) as f64), location.node);
+        [before, column - before]
+    }
+
+    /// Moves locations of the first column to another one.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn in_column<L: Lanes>(
+        &self,
+        cpu: Cpu<L>,
+        mut location: GridLocation<L>,
+        before: L,
+        part: L,
+    ) -> GridLocation<L> {
+        let nodes = L::splat(cpu, L::Scalar::from_f64((self.intervals[0] + 1) as f64));
+        location.node = before.mul_add(nodes, location.node);
         location.parts[1] = part;
         location
     }
