@@ -1,4 +1,4 @@
-"""Makes the extension's zip: its code, and for every lens of the catalogue the shader, the cross-section and the facts.
+"""Makes the extension's zip: the code and, for every lens of the catalogue, a shader, a cross-section and its facts.
 
     python3 blender/make_extension.py OUT.zip [PROGRAM]
 
@@ -39,8 +39,8 @@ def lens(program: str, name: str, folder: Path) -> dict[str, object]:
 
 
 def main(out: Path, program: str) -> None:
-    """Writes the zip."""
-    # The list has a heading and a line per lens.
+    """Writes the extension's zip."""
+    # The list has a heading and one line per lens.
     names = [line.split()[0] for line in run(program, "lens", "--list").splitlines()[1:]]
     with tempfile.TemporaryDirectory() as made, ThreadPoolExecutor(cpu_count()) as pool:
         folder = Path(made)

@@ -1,7 +1,8 @@
 """Builds the library and the command-line program with cargo and puts them into the wheel: one wheel per platform, for
-every Python 3. The source distribution carries what cargo needs in a folder of its own, and builds likewise.
+every Python 3. The source distribution contains the files that cargo needs, in a separate folder, and is built in the
+same way.
 
-`REALISTIC_LIBRARY` and `REALISTIC_PROGRAM` name prebuilt ones, which the wheel then takes unchanged.
+The variables `REALISTIC_LIBRARY` and `REALISTIC_PROGRAM` name prebuilt files, which the wheel then contains unchanged.
 """
 
 from __future__ import annotations
@@ -35,8 +36,8 @@ class LibraryHook(BuildHookInterface[Any]):
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         carried = Path(self.root) / CARRIED
         workspace = carried if carried.is_dir() else Path(self.root).parent
-        # All files of a source distribution have the same date, so that cargo would take another version's build for
-        # this one.
+        # All files of a source distribution have the same date, from which cargo would conclude that a build of another
+        # version is up to date. So they are touched.
         for source in carried.rglob("*"):
             source.touch()
         included = build_data["force_include"]
@@ -45,7 +46,8 @@ class LibraryHook(BuildHookInterface[Any]):
                 included[str(workspace / name)] = f"{CARRIED}/{name}"
             return
         if version == "editable":
-            # An editable install has neither: REALISTIC_PLUGIN and REALISTIC_PROGRAM name them when Python runs.
+            # An editable install contains neither library nor program; REALISTIC_PLUGIN and REALISTIC_PROGRAM name them
+            # when Python runs.
             return
         files = {LIBRARY: named("REALISTIC_LIBRARY"), PROGRAM: named("REALISTIC_PROGRAM")}
         missing = [name for name, file in files.items() if file is None]
@@ -55,7 +57,7 @@ class LibraryHook(BuildHookInterface[Any]):
         build_data["tag"] = f"py3-none-{platform}"
         build_data["pure_python"] = False
         if sys.platform == "linux":
-            # `.ci/release` links and tags a release, which loads on older systems.
+            # `.ci/release` links and tags released wheels, which load on older systems.
             self.app.display_info(
                 f"{platform}: for systems with this one's {os.confstr('CS_GNU_LIBC_VERSION')} or newer"
             )
@@ -92,7 +94,7 @@ def build(workspace: Path, names: list[str]) -> dict[str, Path]:
             f"{manifest} is not there: the package is built from a checkout of the whole project, or from its source "
             "distribution"
         )
-    # Relative to the checkout, because pip runs this in another folder than the user's.
+    # The path is relative to the checkout, because pip runs this hook in another folder than the user's.
     target = workspace / (os.environ.get("CARGO_TARGET_DIR") or "target") / "python"
     command = [cargo, "build", "--release", "--locked"]
     command += [f"--package={PACKAGES[name]}" for name in names]

@@ -1,10 +1,10 @@
-"""Time per camera sample in Blender: a lens's shader beside Blender's own cameras.
+"""Time per camera sample in Blender, for lens shaders and for Blender's own cameras.
 
 $ python benches/samples.py SHADER.osl …
 
-Run it with a Python that has bpy. It renders an even world on one thread and takes process CPU time. The difference of
-pictures with few and with many samples removes the fixed cost of a picture. All cameras run in turn; medians over
-rounds.
+Run it with a Python that has bpy. It renders a uniform world on one thread and measures process CPU time. Subtracting
+the time with few samples from that with many removes the fixed cost of a picture. All cameras run in turn; results are
+medians over rounds.
 """
 
 from __future__ import annotations

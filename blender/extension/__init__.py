@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later OR MIT OR Apache-2.0
-"""Cameras of Blender's Cycles that are real lenses: a panel of the camera that lists them, shows their cross-sections
-and figures, and sets the camera up. The shaders of the catalogue's lenses are in the folder `lenses`; those of lens
-files are written by the program `realistic`, whose path the preferences name. A camera's shader is a text of the
-.blend, which renders without this extension, too.
+"""Real lenses as cameras for Blender's Cycles. A panel of the camera lists the lenses, shows their cross-sections and
+data, and sets the camera up. The shaders of the catalogue's lenses are in the folder `lenses`; shaders of lens files
+are written by the program `realistic`, whose path is set in the preferences. A camera's shader is a text of the .blend
+file, so that the file renders without this extension, too.
 """
 
 from __future__ import annotations
@@ -22,9 +22,10 @@ import bpy.utils.previews
 LENSES = Path(__file__).parent / "lenses"
 # Prefix of a shader's line of facts.
 FACTS = "// facts: "
-# Focal length of a zoom lens, in mm: a property of the camera that can be animated.
+# Name of the camera's property for the focal length of a zoom lens, in mm, which can be animated.
 ZOOM = "zoom"
-# The option for paths that may begin with //, the folder of the .blend; Blender 4.5 allows that for every path.
+# The option for paths that may begin with //, which stands for the folder of the .blend; Blender 4.5 allows // in every
+# path.
 RELATIVE = {"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (5, 0) else set()
 
 # Blender keeps no reference to the entries of an enum: this list keeps them alive.
@@ -54,7 +55,7 @@ def facts_of(shader: str) -> dict[str, object]:
 
 
 def _facts_of_text(text) -> dict[str, object]:
-    """Returns the facts of the lens in a text of the .blend, which has them in its first lines."""
+    """Returns the facts of the lens in a text of the .blend; they are in the text's first lines."""
     return facts_of("\n".join(line.body for line in text.lines[:12])) if text else {}
 
 
@@ -65,8 +66,8 @@ def shown_facts(camera) -> dict[str, object]:
 
 
 def _compiler():
-    """Returns Blender's own function that compiles a camera's shader. Blender as a Python module has the package that
-    reads compiled shaders in a folder outside Python's path."""
+    """Returns Blender's own function that compiles a camera's shader. If Blender is a Python module, the package that
+    reads compiled shaders is in a folder outside Python's path, which this function adds for the import."""
     if importlib.util.find_spec("oslquery") is None:
         packages = Path(bpy.utils.resource_path("LOCAL")) / "python"
         found = [str(package.parent) for package in packages.glob("**/site-packages/oslquery*")]
@@ -79,13 +80,14 @@ def _compiler():
 
 
 def _compiled(camera, text, report, mode="INTERNAL") -> bool:
-    """Sets a camera's shader, a text or the file that the camera names; returns whether it compiles."""
+    """Sets a camera's shader, either a text or the file that the camera names; returns whether it compiles."""
     camera.type, camera.custom_mode, camera.custom_shader = "CUSTOM", mode, text
     return bool(_compiler()(camera, report))
 
 
 def _compiles(camera, mode, text, report) -> bool:
-    """Returns whether a shader, a text or the file that `camera` names, compiles; tries it on a temporary camera."""
+    """Returns whether a shader compiles, either a text or the file that `camera` names; tries it on a temporary
+    camera."""
     trial = bpy.data.cameras.new("trial")
     trial.custom_filepath = camera.custom_filepath
     try:
@@ -114,7 +116,8 @@ def _drop_unused(text) -> None:
 
 
 def _follow_zoom(camera, path: str) -> None:
-    """Drives a property of the camera by its zoom, without an expression, which Blender may block in others' files."""
+    """Drives a property of the camera by its zoom. Uses no expression: Blender may block those in files of other
+    authors."""
     if any(curve.data_path == path for curve in (camera.animation_data.drivers if camera.animation_data else ())):
         # Keeps the artist's own driver.
         return
@@ -135,8 +138,9 @@ def _stop_following(camera) -> None:
 
 
 def set_up(context, camera, name: str, shader: str, report) -> bool:
-    """Makes `camera` (its data) the lens of a shader; returns whether that worked, and changes nothing if not. Shrinks
-    a sensor that is larger than the lit film; keeps the artist's own sensor, with which the next lens begins."""
+    """Gives `camera` (a camera's data) the lens of a shader; returns whether that worked, and changes nothing if not.
+    Shrinks a sensor that is larger than the lit film, and saves the artist's own sensor, with which the next lens
+    begins."""
     if not hasattr(camera, "cycles_custom"):
         report({"ERROR"}, "Cycles is not enabled: enable its add-on, Cycles Render Engine, in the preferences")
         return False
@@ -152,7 +156,7 @@ def set_up(context, camera, name: str, shader: str, report) -> bool:
     _save_original(context.scene, camera)
     before = camera.custom_shader
     context.scene.render.engine = "CYCLES"
-    _compiled(camera, text, report)  # Compiles, as in the trial.
+    _compiled(camera, text, report)  # It compiles, as the trial showed.
     if before != text:
         _drop_unused(before)
     reach = 2 * float(facts.get("film_reach_mm") or 0)
@@ -168,12 +172,13 @@ def set_up(context, camera, name: str, shader: str, report) -> bool:
     _stop_following(camera)
     if ZOOM in custom:
         custom[ZOOM] = min(max(custom[ZOOM], shortest), longest)
-    # Blender draws the view's frame from it; the shader does not use it.
+    # Blender draws the view's frame from this focal length; the shader does not use it.
     camera.lens = max(1.0, custom.get(ZOOM, shortest))
     if ZOOM in custom:
         _follow_zoom(camera, "lens")
     if bpy.app.version < (5, 0):
-        # Blender before 5.0 gives the shader the stop as the aperture of a lens of this focal length.
+        # Blender before 5.0 passes the stop to the shader as an aperture size, which it computes with this focal
+        # length.
         custom["focal_length"] = camera.lens
         if ZOOM in custom:
             _follow_zoom(camera, 'cycles_custom["focal_length"]')
@@ -182,13 +187,13 @@ def set_up(context, camera, name: str, shader: str, report) -> bool:
     return True
 
 
-# Names of the properties of the artist's own camera to keep.
+# Names of the properties of the artist's own camera that are saved.
 OWN = ("type", "lens", "sensor_width", "sensor_height", "custom_mode")
 
 
 def _save_original(scene, camera) -> None:
-    """Saves the properties of the artist's own camera at the first lens. Restores the sensor for the next lens, unless
-    the artist has changed it since."""
+    """Saves the properties of the artist's own camera at the first lens. For a later lens, restores the artist's
+    sensor, unless the artist has changed the sensor since."""
     original = json.loads(camera.realistic.kept or "null")
     if original is None:
         original = {name: getattr(camera, name) for name in OWN}
@@ -208,8 +213,8 @@ def _save_made(camera) -> None:
 
 
 def take_off(context, camera, report) -> bool:
-    """Restores the camera as before its first lens; returns whether that worked. A sensor that the artist has set
-    since stays. Changes nothing if the camera had a shader of its own that does not compile any more."""
+    """Restores the camera to its state before the first lens; returns whether that worked. A sensor that the artist has
+    set since then stays. Changes nothing if the camera had a shader of its own that does not compile any more."""
     original = json.loads(camera.realistic.kept)
     own = bpy.data.texts.get(original["shader"])
     if original["type"] == "CUSTOM" and not _compiles(camera, original["custom_mode"], own, report):
@@ -246,7 +251,8 @@ def _sensor(render, camera) -> tuple[float, float]:
 def _holder(context):
     """Returns the object of the camera that an operator changes, or None, and whether the artist has chosen it.
 
-    It is the active object, or else the only selected camera. If no camera is chosen it is the scene's.
+    It is the active object if that is a camera, else the only selected camera. If the artist has chosen no camera, it
+    is the scene's camera.
     """
     active, selected = getattr(context, "active_object", None), getattr(context, "selected_objects", None) or ()
     cameras = [each for each in selected if each.type == "CAMERA"]
@@ -259,7 +265,8 @@ def _holder(context):
 
 
 def _camera(context):
-    """Returns the data of the camera that an operator changes: the open panel's, else that of `_holder`, or None."""
+    """Returns the data of the camera that an operator changes: the open panel's camera, else that of `_holder`, or
+    None."""
     shown = getattr(context, "camera", None)
     if shown is None:
         holder, _ = _holder(context)
@@ -268,7 +275,8 @@ def _camera(context):
 
 
 def _changed_camera(context, report):
-    """Returns `_camera` for an operator that begins; reports which camera that is if the artist has not chosen any."""
+    """Returns the result of `_camera` when an operator begins; reports the camera's name if the artist has chosen
+    none."""
     if getattr(context, "camera", None) is None:
         holder, chosen = _holder(context)
         if not chosen:
@@ -277,7 +285,7 @@ def _changed_camera(context, report):
 
 
 class _Changes:
-    """Base of the operators: they are available if there is a camera to change, and can be undone."""
+    """Base class of the operators, which are available if there is a camera to change, and can be undone."""
 
     bl_options = {"REGISTER", "UNDO"}  # noqa: RUF012
 
@@ -443,7 +451,7 @@ def _lengths(facts) -> str:
 
 
 def notes(camera, facts) -> list[str]:
-    """Returns notes on settings of the camera, or properties of its lens, that the shader ignores."""
+    """Returns notes on settings of the camera, and on properties of its lens, that the shader ignores."""
     dof, custom = camera.dof, camera.cycles_custom
     mm_per_unit = custom.get("mm_per_unit", 1000)
     shortest, longest = facts["focal_lengths_mm"]

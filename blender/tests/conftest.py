@@ -1,4 +1,4 @@
-"""The real Blender as a Python module (`bpy`), with the extension installed into a folder of its own.
+"""Fixtures for tests in the real Blender as a Python module (`bpy`), which installs extensions into a temporary folder.
 
 REALISTIC_PROGRAM names the built program; REALISTIC_PLUGIN names the built library, which traces rays in double
 precision.
@@ -16,13 +16,13 @@ from pathlib import Path
 
 import pytest
 
-# Set before Blender reads it, so that no Blender of the user gets the extension.
+# The variable is set before Blender reads it, so that the extension is not installed into the user's own Blender.
 ROOM = tempfile.TemporaryDirectory(prefix="blender-")
 os.environ["BLENDER_USER_RESOURCES"] = ROOM.name
 
 import bpy
 
-# Folder of the paths that the program Blender adds by itself; the module does not.
+# Folder that contains the paths to add: the program Blender adds them to Python's path itself, the module does not.
 HOME = next(parent for parent in Path(bpy.__file__).resolve().parents if parent.name[0].isdigit())
 sys.path += [str(HOME / "python/lib/python3.11/site-packages"), str(HOME / "scripts/addons_core")]
 

@@ -25,7 +25,7 @@ def empty(size: tuple[int, int], samples: int) -> tuple[Any, Any]:
     if bpy.app.version < (5, 0):
         scene.world.use_nodes = True
     scene.world.node_tree.nodes.clear()
-    # No light sampling: Blender builds no importance map of the world.
+    # Without light sampling, Blender builds no importance map of the world.
     scene.world.cycles.sampling_method = "NONE"
     camera = bpy.data.cameras.new("camera")
     holder = bpy.data.objects.new("camera", camera)
@@ -36,7 +36,7 @@ def empty(size: tuple[int, int], samples: int) -> tuple[Any, Any]:
 
 
 def show_directions(scene: Any) -> None:
-    """Gives the world each ray's direction as its colour; all samples of a pixel share one film point."""
+    """Makes each ray's direction the colour that it sees in the world; all samples of a pixel share one film point."""
     scene.cycles.pixel_filter_type, scene.cycles.filter_width = "BOX", 0.01
     tree = scene.world.node_tree
     coordinates, light, world = (
@@ -56,7 +56,7 @@ def use_shader(camera: Any, file: Path) -> None:
 
 
 def picture(scene: Any, folder: Path) -> np.ndarray:
-    """Renders a picture, (height, width, 3) of float64, from the top."""
+    """Renders a picture, (height, width, 3) of float64, top row first."""
     file = folder / "picture.exr"
     scene.render.filepath = str(file)
     bpy.ops.render.render(write_still=True)
@@ -64,7 +64,7 @@ def picture(scene: Any, folder: Path) -> np.ndarray:
 
 
 def read(file: Path) -> np.ndarray:
-    """Reads a picture's file, (height, width, 3) of float64, from the top."""
+    """Reads a picture's file, (height, width, 3) of float64, top row first."""
     import OpenImageIO
 
     image = OpenImageIO.ImageInput.open(str(file))

@@ -40,7 +40,7 @@ def installed(zip_file):
 
 @pytest.fixture
 def stage(installed):
-    """A scene with a camera, with the extension enabled; Blender's factory settings have none."""
+    """A scene with a camera, and the extension enabled again, which Blender's factory settings disable."""
     scene, camera = empty((48, 32), 1)
     bpy.ops.preferences.addon_enable(module=MODULE)
     return scene, camera
@@ -112,7 +112,7 @@ def state(camera):
 
 
 def white_world(scene):
-    """A scene that is white all around."""
+    """Makes a scene's world white."""
     tree = scene.world.node_tree
     light, world = tree.nodes.new("ShaderNodeBackground"), tree.nodes.new("ShaderNodeOutputWorld")
     tree.links.new(light.outputs[0], world.inputs[0])
@@ -177,7 +177,7 @@ def test_a_shader_that_does_not_compile_changes_nothing(stage, monkeypatch):
     assert state(camera) == before
 
 
-# A farm's node: Blender without this extension opens the file and renders it.
+# Script of a render farm's node: Blender without this extension opens the file and renders it.
 NODE = """
 import bpy, sys
 bpy.ops.wm.open_mainfile(filepath=sys.argv[1])
@@ -225,7 +225,7 @@ def widths(scene, folder):
 def test_a_zoom_is_keyed_and_its_picture_follows_on_a_node_too(stage, tmp_path):
     scene, camera = stage
     white_world(scene)
-    # Black boards with a gap: a bright bar, 2 m wide, 20 m away.
+    # The gap between black boards is a bright bar, 2 m wide, 20 m away.
     for x in (-51.0, 51.0):
         bpy.ops.mesh.primitive_plane_add(size=100, location=(x, 0, -20))
         board = bpy.data.materials.new("black")
@@ -253,7 +253,8 @@ def test_a_zoom_is_keyed_and_its_picture_follows_on_a_node_too(stage, tmp_path):
         scene.frame_set(frame)
         assert custom["zoom"] == pytest.approx(length, abs=0.1) and camera.lens == pytest.approx(length, abs=0.1)
         found[frame] = widths(scene, tmp_path)
-        # First-order optics: 120 pixels are 36 mm. Zooms distort by some percent.
+        # The expected width is that of first-order optics, with 120 pixels on 36 mm. Zoom lenses distort by some
+        # percent.
         assert found[frame] == pytest.approx(2 / 20 * length / 36 * 120, rel=0.08, abs=1.5), found
     blend = tmp_path / "zoom.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(blend), copy=True)
@@ -334,7 +335,7 @@ def test_focus_is_animated(stage):
 
 
 def second_camera(scene, name="second"):
-    """Adds another camera object to a scene, which is not the scene's camera."""
+    """Adds a camera object that is not the scene's active camera."""
     holder = bpy.data.objects.new(name, bpy.data.cameras.new(name))
     scene.collection.objects.link(holder)
     return holder
@@ -360,7 +361,7 @@ def test_operators_change_the_selected_camera_or_the_scenes(stage, program, capf
         objects.active = active
         capfd.readouterr()
 
-    # Active but not selected; selected while another object is active.
+    # The camera is active but not selected; then it is selected while another object, or none, is active.
     for active, selected in ((holder, ()), (cube, (holder, cube)), (None, (holder,))):
         choose(active, *selected)
         engine = scene.render.engine
@@ -371,7 +372,7 @@ def test_operators_change_the_selected_camera_or_the_scenes(stage, program, capf
         assert "no camera is selected" not in capfd.readouterr().out
         assert scene.render.engine == engine and state(camera) == before
 
-    # If no camera or two are chosen, the scene's camera is used, and reported.
+    # If no camera is chosen, or two are selected, the scene's camera is used, and reported.
     camera.realistic.lens = "wide.22mm"
     for active, selected in ((cube, (cube,)), (None, ()), (cube, (holder, scene.camera))):
         choose(active, *selected)
@@ -395,7 +396,8 @@ def test_an_operator_that_fails_is_cancelled_and_changes_nothing(stage, monkeypa
     before = state(camera)
 
     def fails(button, message):
-        """Checks that a button fails: its own result, and the exception with the report from bpy.ops."""
+        """Checks that a button fails: it returns CANCELLED with a report, and bpy.ops raises an exception with that
+        report."""
         reports = []
         operator = SimpleNamespace(report=lambda kind, text: reports.append((kind, text)))
         operator.change = lambda context, camera: button.change(operator, context, camera)
@@ -415,7 +417,7 @@ def test_an_operator_that_fails_is_cancelled_and_changes_nothing(stage, monkeypa
     own.clear()
     own.write("shader own(output color throughput = 1) {}")
 
-    # A compiler that fails without a reason.
+    # This compiler fails without giving a reason.
     monkeypatch.setattr(extension, "_compiler", lambda: lambda _camera, _report: False)
     camera.realistic.lens = "dgauss.50mm"
     fails(extension.REALISTIC_OT_set_up, "the shader of dgauss.50mm does not compile")
@@ -423,7 +425,7 @@ def test_an_operator_that_fails_is_cancelled_and_changes_nothing(stage, monkeypa
     camera.realistic.lens_file = ""
     fails(extension.REALISTIC_OT_from_file, "no lens file is given" if shutil.which("realistic") else "realistic")
 
-    # With one frame nothing would move.
+    # In a scene with one frame, nothing would move.
     scene.frame_start = scene.frame_end = 7
     fails(extension.REALISTIC_OT_pull_focus, "the scene has one frame, 7")
     scene.frame_end = 25
@@ -489,7 +491,7 @@ def test_the_panel_shows_the_lens_and_has_every_button(stage):
     calls = drawn(panel, camera=camera)
     words = [named["text"] for kind, _, named in calls if kind == "label"]
     assert words[0].startswith("Wide angle") and words[1].startswith("22.0 mm   f/2.8   nearest focus 0.")
-    # Without a window icons have no numbers; the picture's size shows that the icon exists.
+    # Without a window, icons have no numbers; the picture's size shows that the icon exists.
     assert [kind for kind, *_ in calls].count("template_icon") == 1
     extension = sys.modules[MODULE]
     assert set(extension._previews) == set(extension._facts) == set(realistic.catalogue())

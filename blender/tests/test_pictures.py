@@ -35,7 +35,7 @@ def prepared(shader: str, fnumber: float, samples: int):
 
 
 def from_film(fnumber: float | None) -> float:
-    """Returns the distance of the card from the film, mm, for the program's focus; Blender measures from the lens."""
+    """Returns the card's distance from the film, mm, at which the program focuses; Blender measures from the lens."""
     distance = 1070.0
     rear = realistic.Lens("dgauss.50mm").surfaces[-1].vertex_mm
     for _ in range(4):

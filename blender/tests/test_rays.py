@@ -1,4 +1,4 @@
-"""Rays of the shaders in Blender against the same rays in double precision."""
+"""Compares rays of the shaders in Blender with the same rays in double precision."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ SETTINGS = ((0.5, 3.0), (8.0, 20.0))
 
 
 def instrumented(text: str, screen: float) -> str:
-    """Returns the shader with a film point and a lens sample for each pixel of a third of the picture.
+    """Returns the shader, changed so that each pixel of a third of the picture has one film point and one lens sample,
+    which are the same in all thirds.
 
     The left third shows each ray's direction in the scene; the middle third its direction on the film's side. The right
     third shows its start (x, y) on the plane of the last vertex, as the direction to it from a point `screen` mm
@@ -44,7 +45,7 @@ def instrumented(text: str, screen: float) -> str:
 def test_rays_are_those_of_double_precision(lenses, program, name, tmp_path):
     text, facts = lenses[name]
     if facts["focuses_by_groups"]:
-        # `cargo test` compares the groups' positions at every focus; here they stay at the file's first.
+        # `cargo test` compares the groups' positions at every focus; here they stay at the file's first positions.
         still = ["--focus-by", "film", *(["--zoom", "wide"] if facts["could_zoom"] else [])]
         text = subprocess.run(
             [program, "blender", name, *still, "--out", "-"], stdout=subprocess.PIPE, check=True

@@ -2,10 +2,10 @@
 
 $ python benches/mitsuba_colour.py [LENS]
 
-Even light through the whole lens, 16 samples per pixel, box filter: the standard deviation of a pixel over its mean in
-R, G and B, for some values of `dispersion_tolerance`, beside the same lens at one wavelength, which sends all
-wavelengths the same way. The lens's illumination falloff is divided out. Then CPU seconds of a picture, one thread,
-median of five.
+Renders uniform light through the whole lens with 16 samples per pixel and a box filter. Prints the standard deviation
+of a pixel divided by its mean in R, G and B, for several values of `dispersion_tolerance`. For comparison, it also does
+so for the same lens at one wavelength, where all wavelengths take the same path. The lens's illumination falloff is
+divided out. The last column is CPU seconds per picture on one thread, the median of five.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ def measure(lens: str, width: int, height: int) -> None:
     """Prints the table of a lens for a size of picture."""
     print(f"\n| `{lens}`, {width} x {height} | R | G | B | s per picture |\n|---|---|---|---|---|")
     for name, properties in KINDS.items():
-        # A part of the film between its middle and its corner represents it at every size.
+        # A part of the film between its middle and its corner represents the film at every size.
         crop = {"crop_offset_x": width // 2, "crop_offset_y": height // 2, "crop_width": 192, "crop_height": 128}
         film = {"type": "hdrfilm", "width": width, "height": height, "rfilter": {"type": "box"}, **crop}
         sensor = {

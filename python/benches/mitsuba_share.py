@@ -2,10 +2,10 @@
 
 $ python benches/mitsuba_share.py
 
-One thread, process CPU time, after one picture that compiles the kernels; interleaved with the same picture by
-Mitsuba's own thin lens. The share is the time inside `sample_ray_differential`, including the evaluation of Mitsuba's
-random numbers, for which it waits. Two scenes: Mitsuba's Cornell box, a very cheap picture, and the scene of
-examples/mitsuba/studio.py.
+Measures process CPU time on one thread, after one picture that compiles the kernels. Pictures alternate with the same
+picture through Mitsuba's own thin lens. The share is the time inside `sample_ray_differential`, including the
+evaluation of Mitsuba's random numbers, for which it waits. The two scenes are Mitsuba's Cornell box, which is very
+cheap to render, and the scene of examples/mitsuba/studio.py.
 """
 
 from __future__ import annotations

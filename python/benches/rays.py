@@ -2,9 +2,9 @@
 
 $ python benches/rays.py
 
-Runs are interleaved; the results are medians of the ratios of thread CPU time to that of the C call that writes the
-same columns. The C calls go through ctypes with pointers made beforehand: the Python around them takes some
-microseconds of 15 ms.
+Runs are interleaved. Each result is the median ratio of the thread CPU time to that of the C call that writes the same
+columns. The C calls go through ctypes with pointers made beforehand; of their 15 ms, the Python code around them takes
+some microseconds.
 """
 
 import ctypes

@@ -1,4 +1,4 @@
-"""A square grid through a lens, through its exported models, and the difference.
+"""Plots a square grid seen through a lens and through its exported models, and the differences.
 
 $ python export_grid.py fisheye.10mm grid.png
 """
@@ -20,7 +20,7 @@ Array = npt.NDArray[np.float64]
 MODELS = {"opencv": "tab:orange", "opencv-rational": "tab:blue", "kannala-brandt": "tab:green"}
 # Spacing of the grid's lines, and half the grid's width, as tangents of the angle from the axis.
 SPACING, EXTENT = 0.5, 4.5
-# Spacing of the arrows of the difference, and length of the longest one, pixels.
+# Spacing of the arrows that show a difference, and length of the longest one, pixels.
 STEP, LONGEST = 80, 110.0
 # Length of a scale bar, pixels.
 BAR = 200.0
@@ -34,7 +34,8 @@ def grid() -> Array:
 
 
 def seen(camera: realistic.Camera) -> Array:
-    """Returns the points of the exact chief rays of pixels on z = 1, (height, width, 2), +y down; NaN if dark."""
+    """Returns the points where the exact chief rays of pixels meet z = 1, (height, width, 2), +y down; NaN for dark
+    pixels."""
     direction = camera.export("rays")["direction"].astype(np.float64)
     ahead = np.where(direction[..., 2] > 0, direction[..., 2], np.nan)
     return direction[..., :2] * [1, -1] / ahead[..., None]
@@ -68,8 +69,8 @@ def magnification(worst: float) -> float:
 
 
 def main(lens: str, out: str) -> None:
-    # Focused at infinity, where the grid is: a nearer grid adds parallax, because the entrance pupil shifts over the
-    # field.
+    # The grid is at infinity, and so is the focus. A nearer grid would add parallax, because the entrance pupil shifts
+    # over the field.
     camera = realistic.Camera(lens, resolution=(1920, 1280), focus_distance=float("inf"))
     width, height = camera.resolution
     points = seen(camera)
@@ -93,7 +94,7 @@ def main(lens: str, out: str) -> None:
         lines = grid()
         lines[np.hypot(lines[..., 0], lines[..., 1]) > np.tan(np.radians(report["held_half_field_deg"]))] = np.nan
         lines = project(report, lines)
-        # Different dashes, so that a line on top of another does not hide it.
+        # The dashes differ, so that a line on top of another one does not hide it.
         dashes: Any = "-" if number == 0 else (6.0 * number, (6.0, 6.0))
         axes["models"].plot(lines[..., 0].T, lines[..., 1].T, color=color, lw=1.2, ls=dashes)
 

@@ -16,7 +16,7 @@ def checkout() -> Path:
 
 @pytest.fixture(scope="session")
 def camera() -> realistic.Camera:
-    """A double Gauss that blocks some samples over its whole lens plane."""
+    """A camera with a double Gauss lens, whose samples cover the whole rear element, so that some rays are blocked."""
     return realistic.Camera("dgauss.50mm", resolution=(1920, 1280), focus_distance=1000.0, pupil="rear")
 
 

@@ -1,5 +1,5 @@
-"""Measures framing and blur in pictures of the program's test scene, 480 by 320 pixels, (320, 480) or (320, 480, 3),
-and the difference of any two pictures that may differ in noise and size.
+"""Measures framing and blur in pictures of the program's test scene, 480 by 320 pixels, as arrays (320, 480) or (320,
+480, 3). Also measures the difference of any two pictures, which may differ in noise and size.
 """
 
 import os
@@ -36,7 +36,8 @@ def by_program(command, out, spp, parameters):
 
 
 def edge(profile, outside, inside):
-    """Returns the position of an edge between two slices: pixels dark on average, `outside`, and light, `inside`."""
+    """Returns the position of an edge between two slices of a profile: `outside`, which is dark, and `inside`, which is
+    light."""
     dark, light = profile[outside].mean(), profile[inside].mean()
     return outside.stop + ((light - profile[outside.stop : inside.start]) / (light - dark)).sum()
 
@@ -59,13 +60,13 @@ def edges(picture):
 def bokeh(picture):
     """Returns centre (x, y) and radius of each lamp's disk in pixels, (lamps, 3).
 
-    The radius is that of an evenly bright disk with the same second moment.
+    The radius is that of a uniformly bright disk with the same second moment.
     """
     rows, columns = np.indices(picture.shape)
     found = []
     for x, y in LAMPS:
         distance = np.hypot(columns + 0.5 - x, rows + 0.5 - y)
-        # The background has a gradient: a plane through the pixels around the disk.
+        # The background has a gradient, so a plane is fitted to the pixels around the disk.
         plane = np.stack([np.ones_like(distance), columns - x, rows - y], axis=-1)
         around = (distance > 12.5) & (distance < 16)
         behind = plane @ np.linalg.lstsq(plane[around], picture[around], rcond=None)[0]
@@ -85,14 +86,15 @@ def difference(one, other, blur=7):
     blurred = []
     for picture in (one, other):
         for size in (height, width):
-            # A mean over a part of a line is the difference of the line's integral at the part's ends.
+            # The mean over a part of a line is the difference of the line's integral at the two ends, divided by the
+            # part's length.
             ends = np.concatenate([[0.0 * picture[0]], np.cumsum(picture, axis=0)])
             at = np.linspace(0, len(picture), size + 1)
             whole = np.minimum(at.astype(int), len(picture) - 1)
             share = (at - whole)[:, None, None]
             means = np.diff(ends[whole] + share * (ends[whole + 1] - ends[whole]), axis=0) * size / len(picture)
             windows = np.lib.stride_tricks.sliding_window_view(means, blur, axis=0).mean(axis=-1)
-            # Columns are next; the second swap restores the rows.
+            # The swap makes the next pass work on columns; the second swap restores the rows.
             picture = windows.swapaxes(0, 1)
         blurred.append(picture)
     return np.abs(blurred[0] - blurred[1]).max()

@@ -46,7 +46,7 @@ def clumsy(log, job):
 
 
 def beginnings(log):
-    """Returns job and time of each line."""
+    """Returns the job and the time of each line in the log."""
     lines = [line.split("\t") for line in Path(log).read_text().splitlines()] if Path(log).exists() else []
     return [(job, int(at)) for job, at, _ in lines]
 
@@ -72,7 +72,8 @@ class Arrivals:
 
 
 class Killer:
-    """Progress callback that kills processes a while after certain numbers of results, random with a fixed seed."""
+    """Progress callback that kills processes a while after certain numbers of results, which are random with a fixed
+    seed."""
 
     def __init__(self, seed, processes, count, kills):
         self.random, self.processes = random.Random(seed), processes

@@ -12,7 +12,7 @@ from realistic import blender
 
 
 def fake_program(folder: Path, script: str) -> Path:
-    """Makes a program of these shell commands."""
+    """Makes a program that consists of these shell commands."""
     program = folder / "realistic"
     program.write_text(f"#!/bin/sh\n{script}\n")
     program.chmod(program.stat().st_mode | stat.S_IXUSR)

@@ -27,10 +27,10 @@ def test_first_order_data_are_those_of_two_optics_programs(checkout):
     rows = [line.split(",") for line in lines if line and line[0] not in "#l"]
     compared = 0
     for lens, wavelength, _program, _version, quantity, value in rows:
-        # At other wavelengths the table uses its own indices.
+        # At other wavelengths the table uses its own refractive indices.
         if quantity not in ("focal_length", "back_focal_distance") or wavelength != "587.56":
             continue
-        # In first-order optics, focused at infinity, the film is at the focal point.
+        # In first-order optics, a film focused at infinity is at the focal point.
         camera = Camera(lens, model="thick", resolution=(30, 20), focus_distance=np.inf)
         found = camera.focal_length_mm if quantity == "focal_length" else camera.film_distance
         assert found == pytest.approx(float(value), rel=1e-9), (lens, quantity)
@@ -305,8 +305,8 @@ def test_autofocus_by_distance_and_by_contrast():
 
     by_contrast = camera.autofocus(zone, contrast=sharpness)
     assert by_contrast == pytest.approx(by_distance, abs=0.05)
-    # The film plane lies behind z = 0 by the lens's length (front vertex to last vertex, tests/golden/README.md) and
-    # the film distance.
+    # The film plane lies behind z = 0 by the sum of the lens's length (front vertex to last vertex,
+    # tests/golden/README.md) and the film distance.
     focused = camera.replace(film_distance=by_distance)
     assert focused.focus_distance_mm == pytest.approx(wall + 32.04 + by_distance, rel=1e-4)
     with pytest.raises(ValueError, match="closed"):
@@ -314,7 +314,7 @@ def test_autofocus_by_distance_and_by_contrast():
 
 
 def test_an_interrupt_of_a_build_is_raised_after_the_call(monkeypatch):
-    # An interrupt that arrives as the library logs, in the callback's first instruction.
+    # The interrupt arrives while the library logs, in the callback's first instruction.
     log = _handle.LOG
 
     def interrupted(function):
@@ -372,7 +372,8 @@ def test_a_library_that_cannot_be_loaded_is_reported(tmp_path, content, words):
 
 
 def test_it_works_on_pythons_standard_streams_closed():
-    """A host without standard streams imports, builds and warns, because nothing prints."""
+    """In a host without standard streams, the package can be imported, and builds and warns, because it prints
+    nothing."""
     code = "import sys; sys.stdout = sys.stderr = None\nimport realistic\nrealistic.Camera(resolution=(3, 2), fov=3)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True)
     assert (done.returncode, done.stdout, done.stderr) == (0, b"", b"")

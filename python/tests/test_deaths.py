@@ -1,4 +1,5 @@
-"""Work continues when processes die, and after an interruption where it stopped; finished jobs are not repeated."""
+"""Tests that work continues when processes die, and resumes where it was interrupted; finished jobs are not
+repeated."""
 
 import dataclasses
 import functools
@@ -25,7 +26,7 @@ pytest.importorskip("diskcache", reason='diskcache is not installed (pip install
 
 WORK = {"lenses": ["dgauss.50mm", "wide.22mm"], "fnumbers": [4, 8], "focus_distances": [np.inf, 3000.0, 2000.0]}
 WORK |= {"fields": [0.0, 0.8], "frequencies": [10], "resolution": (60, 40)}
-# A model that is quick to build.
+# This model is quick to build.
 WORK |= {"model": "thin"}
 CAMERAS = 12
 OPTIONS, SIZE, TILE = ["--lens", "wide.22mm", "--spp", "1", "--param", "model=thin"], (90, 60), (30, 15)
@@ -62,7 +63,8 @@ def children():
 
 
 def check(log, arrivals, killer, count):
-    """Checks that all jobs arrived once, that none began after it had arrived, and that progress counted one by one."""
+    """Checks that each job arrived once, that none began again after it had arrived, and that progress counted one by
+    one."""
     killer.join()
     assert len(killer.killed) == len(killer.after) > 0
     begun = jobs.beginnings(log)
@@ -114,7 +116,7 @@ def test_dask_loses_nothing_with_workers_killed_at_random(checkout, log, monkeyp
 
 
 def stop_after(number):
-    """Makes a progress callback that interrupts."""
+    """Makes a progress callback that interrupts the work after `number` results."""
 
     def progress(done, _count):
         if done == number:
@@ -266,7 +268,7 @@ def test_results_are_keyed_by_all_that_determines_them(tmp_path, monkeypatch):
     assert keys() == first
     # A lens file uses the glass catalogues beside it.
     Path("GLASS.AGF").write_text("NM N-BK7\n")
-    # Except for the key of the missing lens.
+    # All keys change, except that of the missing lens.
     assert len(keys() & first) == 1
     Path("GLASS.AGF").unlink()
     monkeypatch.undo()
@@ -343,7 +345,7 @@ def test_damaged_results_are_computed_anew(tmp_path):
     for key, result in results.items():
         of_all.put(key, result)
     assert {key: of_all.get(key) for key in results} == results
-    # Damaged data, as another version or a disk fault may leave it.
+    # This data is damaged, as another version or a disk fault may leave it.
     of_all._cache.set("1", b"{}")
     of_all._cache.set("3", "text")
     of_all.close()

@@ -1,4 +1,5 @@
-"""Runs the examples as their first lines state, outside the checkout; and the documentation's code and docstrings."""
+"""Runs the examples outside the checkout, as their first lines state, and the code in the documentation and
+docstrings."""
 
 import doctest
 import importlib
@@ -33,7 +34,8 @@ def test_an_example_runs_by_its_first_lines(checkout, tmp_path, name):
         if argument.endswith(".png"):
             content = (tmp_path / argument).read_bytes()
             assert content.startswith(b"\x89PNG") and len(content) > 20_000
-            # The documentation shows the present result; letters of another matplotlib differ a little.
+            # The documentation shows the present result; the letters that another version of matplotlib draws differ a
+            # little.
             shown = {
                 "export_grid": "python-export-grid.png",
                 "lens_sheet": "python-lens-sheet.png",
@@ -58,7 +60,8 @@ def test_every_example_is_tested(checkout):
 
 
 def differences(shown, found):
-    """Returns pairs of shown numbers (texts) and found ones that differ by more than a unit of the last digit."""
+    """Returns a message for each shown number (a text) that differs from the found one by more than a unit of its last
+    digit."""
     if len(shown) != len(found):
         return [f"{len(shown)} numbers are shown and {len(found)} printed: {found}"]
     unit = [10.0 ** -len(text.partition(".")[2]) for text in shown]

@@ -1,4 +1,5 @@
-"""Reads exported models back with their target programs: they project the points that a pixel sees to that pixel."""
+"""Reads exported models back with their target programs, which must project the points that a pixel sees to that
+pixel."""
 
 import numpy as np
 import pytest
@@ -12,7 +13,8 @@ def wide():
 
 
 def chief(camera, n=400):
-    """Returns random pixels and their exact chief rays' directions: OpenCV's axes, +y down, objects at infinity."""
+    """Returns random pixels, the directions of their exact chief rays in OpenCV's axes (+y down), and the exported
+    rays."""
     exact = camera.export("rays")
     width, height = camera.resolution
     random = np.random.default_rng(4)
@@ -87,7 +89,7 @@ def test_usd_reads_the_camera(wide, tmp_path):
     assert (camera.horizontalAperture / 10, camera.verticalAperture / 10) == pytest.approx((width, height), rel=1e-6)
     pupil = found["entrance_pupil_from_film_mm"]
     assert camera.focusDistance + pupil == pytest.approx(1500.0, rel=1e-6)
-    # A point straight ahead of a pixel, through the frustum of USD's own camera.
+    # Projects a point straight ahead of a pixel through the frustum of USD's own camera.
     frustum = camera.frustum
     x, y = 100.0, -50.0
     across = (np.array([x, y]) / [480.0, 320.0]).tolist()
@@ -113,7 +115,7 @@ def test_usds_f_theta_polynomial_meets_the_stated_error(wide, tmp_path):
     radius = np.hypot(*(pixels + 0.5 - np.asarray(get("opticalCenter"))).T)
     angle = sum(get(f"k{power}") * radius**power for power in range(5))
     exact = np.arccos(np.clip(directions[:, 2], -1, 1))
-    # Angles relative to that of a pixel; USD's attributes are 32-bit floats.
+    # Angles are compared relative to the angle of a pixel; USD's attributes are 32-bit floats.
     per_pixel = np.gradient(exact[np.argsort(radius)]).mean()
     assert per_pixel > 0
     off = np.abs(angle - exact) * found["parameters"]["k"][1] ** -1
@@ -128,13 +130,13 @@ def test_an_st_map_resamples_a_picture_as_the_distortion_has_it(wide):
     there, back = (
         [m[..., 0] * width - 0.5, (1 - m[..., 1]) * height - 0.5] for m in (found["undistort"], found["distort"])
     )
-    # A smooth function of the pinhole's pixels, distorted and undistorted again by OpenCV's own resampling.
+    # OpenCV's own resampling distorts a smooth function of the pinhole's pixels, and undistorts it again.
     y, x = np.mgrid[:height, :width].astype(np.float32)
     picture = np.stack([x, y], axis=-1)
     distorted = cv2.remap(picture, *(m.astype(np.float32) for m in back), cv2.INTER_LINEAR)
     again = cv2.remap(distorted, *(m.astype(np.float32) for m in there), cv2.INTER_LINEAR)
     inside = np.s_[60:-60, 60:-60]
-    # OpenCV's weights are rounded to 1/32 pixel, each time.
+    # OpenCV rounds its weights to 1/32 pixel each time.
     assert np.abs(again - picture)[inside].max() < 0.07
     assert (found["undistort"].shape, found["undistort"].dtype) == ((height, width, 3), np.float32)
 
@@ -180,14 +182,14 @@ def test_the_spots_of_the_program_are_those_of_measures(lens, given):
     across = np.array([480.0, 320.0]) / np.hypot(480, 320)
     points = [np.array([480.0, 320.0]) + spot["film_radius_px"] * across for spot in exported[:-1]]
     found = measure.spots(camera, points).rms
-    # The outermost spot is at the edge of the light. By design the program's object points are on chief rays, those of
-    # `measure` on mean rays.
+    # The outermost spot, at the edge of the light, is left out. By design the program's object points are on chief
+    # rays, those of `measure` on mean rays.
     np.testing.assert_allclose(found[0], exported[0]["rms_px"], rtol=2e-3)
     np.testing.assert_allclose(found, [spot["rms_px"] for spot in exported[:-1]], rtol=1.5e-2)
 
 
 def test_chief_rays_and_mean_rays_are_one_behind_a_small_stop():
-    """The exported model uses chief rays, the intrinsics mean rays; wide open, coma and vignetting separate them."""
+    """The exported model uses chief rays, the intrinsics mean rays; wide open, coma and vignetting make them differ."""
 
     def apart(fnumber):
         camera = Camera("planar.50mm", resolution=(1920, 1280), fnumber=fnumber)

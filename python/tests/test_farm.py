@@ -216,7 +216,8 @@ def test_a_table_is_an_array_of_rows(table):
 
 
 def test_a_notebook_shows_a_table(table):
-    """The HTML, read as XML, has a heading per column and a row per table row; of many, the first and the last."""
+    """The HTML, read as XML, has a heading per column and a row per table row; of a long table, only the first and last
+    rows."""
     import xml.etree.ElementTree as xml
 
     shown = xml.fromstring(table._repr_html_())
@@ -237,7 +238,7 @@ def test_a_table_needs_columns():
 
 
 def program(checkout):
-    """The command-line program, if it has been built and supports tiles."""
+    """Returns the command-line program, if it has been built; otherwise skips the test."""
     named = os.environ.get("REALISTIC_PROGRAM")
     built = [checkout / f"target/{kind}/realistic" for kind in ("release", "debug")]
     found = [Path(named)] if named else [file for file in built if file.is_file()]

@@ -12,7 +12,7 @@ import realistic
 
 PACKAGE = Path(realistic.__file__).parent
 ROOM = {"lens": 0, "camera": 0, "measure": 1, "plot": 2, "farm": 2}
-"""The order of subpackages: a module imports no module of a later one."""
+"""Order of the subpackages: a module imports no module of a later subpackage."""
 
 
 def name_of(file):
@@ -25,7 +25,7 @@ def modules():
 
 
 def imports(name, source, is_package, known):
-    """Returns the package's modules that a module imports: at the top, in a function, or for types alone."""
+    """Returns the package's modules that a module imports at the top, in a function, or only for types."""
     found = set()
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Import):
@@ -83,7 +83,7 @@ def test_a_circle_is_found_wherever_the_import_is():
 
 
 def test_only_what_keeps_results_needs_sqlite3():
-    """Some Pythons lack it, such as Debian's without libsqlite3."""
+    """Some Pythons lack sqlite3, such as Debian's without libsqlite3."""
     code = """import sys
 sys.modules["sqlite3"] = None
 import realistic

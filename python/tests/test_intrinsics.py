@@ -1,4 +1,4 @@
-"""The best-fit pinhole against known cases and against OpenCV."""
+"""Compares the best-fit pinhole with known cases and with OpenCV."""
 
 import numpy as np
 import pytest
@@ -14,9 +14,9 @@ from realistic.measure.bundles import film_plane, in_camera_space
         # The shorter side, 480 pixels, spans fov: f = 240 / tan(fov / 2).
         ({"fov": 60.0}, 240 / np.tan(np.pi / 6), 240 / np.tan(np.pi / 6), 319.5, 239.5),
         ({"fov": 20.0}, 240 / np.tan(np.pi / 18), 240 / np.tan(np.pi / 18), 319.5, 239.5),
-        # The image is 4/3 wide in screen units; the frame is stretched to 2.
+        # The picture's aspect ratio is 4/3, but the frame's is 2, so the picture is stretched.
         ({"fov": 60.0, "frame_aspect_ratio": 2.0}, 160 / np.tan(np.pi / 6), 240 / np.tan(np.pi / 6), 319.5, 239.5),
-        # x from -1 to 2: the axis is at a third of the width.
+        # With x from -1 to 2, the axis is at a third of the width.
         ({"fov": 90.0, "screen_window": (-1, 2, -1, 1)}, 640 / 3, 240, 640 / 3 - 0.5, 239.5),
         (
             {"fov": 60.0, "lens_radius": 0.2, "focal_distance": 5.0},
@@ -70,7 +70,7 @@ def test_a_real_lens_is_fitted_to_a_fortieth_of_a_pixel(lens):
     np.testing.assert_allclose(found.distortion[2:4], 0, atol=1e-6)
     assert found.matrix[1, 1] == pytest.approx(found.matrix[0, 0], rel=1e-5)
     np.testing.assert_allclose(found.matrix[:2, 2], [959.5, 639.5], atol=1e-3)
-    # First-order optics, except for the pupil's spherical aberration wide open.
+    # The focal length is that of first-order optics, except for the pupil's spherical aberration wide open.
     expected = camera.focal_length_mm * 1920 / camera.film_size_mm[0]
     assert found.matrix[0, 0] == pytest.approx(expected, rel=0.01)
     fewer = [intrinsics(camera, coefficients=n) for n in (0, 2, 4)]
@@ -150,7 +150,7 @@ def test_opencv_agrees(lens):
     projected, _ = cv2.projectPoints(points, np.zeros(3), np.zeros(3), found.matrix, found.distortion)
     np.testing.assert_allclose(found.project(points), projected.reshape(-1, 2), rtol=1e-12, atol=1e-9)
 
-    # Pixels, and the points on a wall in focus that the camera sees there.
+    # Makes pixels, and the points on a wall in focus that the camera sees at them.
     x, y = np.meshgrid(np.linspace(0, 960, 25), np.linspace(0, 640, 17))
     image_xy = np.stack([x.ravel(), y.ravel()], axis=-1)
     middles = (np.arange(24) + 0.5) / 24
@@ -171,7 +171,7 @@ def test_opencv_agrees(lens):
         found.distortion.copy(),
         flags=flags,
     )
-    # It fits the wall's pose, too, six numbers more; ours is the pose that the lens has.
+    # OpenCV also fits the wall's pose, which is six more numbers; here the pose is the one that the lens has.
     ours = np.sqrt(np.mean(np.sum((found.project(wall + [0, 0, found.distance]) + 0.5 - image_xy) ** 2, axis=1)))
     assert rms <= ours + 1e-3
     assert ours < rms + 0.05

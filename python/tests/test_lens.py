@@ -1,4 +1,4 @@
-"""The lens against exact arithmetic and two optics programs (tests/golden)."""
+"""Compares the lens with exact arithmetic and with two optics programs (tests/golden)."""
 
 import csv
 import pickle
@@ -45,7 +45,7 @@ def test_rays_are_those_of_two_optics_programs(checkout, program):
     rows = list(csv.DictReader((checkout / f"tests/golden/rays_{program}.csv").read_text().splitlines()))
     compared = 0
     for name in CATALOGUE:
-        # At other wavelengths the table uses its own indices.
+        # At other wavelengths the table uses its own refractive indices.
         own = [row for row in rows if row["lens"] == name and row["wavelength_nm"] == "587.56"]
         columns = ("x", "y", "z", "dx", "dy", "dz", "ox", "oy", "oz", "ux", "uy", "uz")
         numbers = np.array([[float(row[k]) for k in columns] for row in own])
@@ -65,10 +65,10 @@ def test_first_order_data_are_those_of_two_optics_programs(checkout):
             continue
         name, wavelength, _program, _version, quantity, value = line.split(",")
         if wavelength != "587.56":
-            # The table uses its own indices there.
+            # At other wavelengths the table uses its own refractive indices.
             continue
-        # The table's pupils are paraxial images of the stop, even if another aperture limits the beam. A pinhole stop
-        # limits the beam alone, and its beam is paraxial.
+        # The table's pupils are paraxial images of the stop, even if another aperture limits the beam. With a stop as
+        # small as a pinhole, the stop alone limits the beam, and the beam is paraxial.
         stop = next(surface for surface in Lens(name).surfaces if surface.is_stop)
         lens = Lens(name, aperture_diameter=2e-6 * stop.semi_diameter_mm)
         # The table measures from a vertex toward the film, lens space from the front vertex toward the scene.
@@ -315,7 +315,8 @@ def test_rays_are_drawn_through_the_cross_section():
         x = -lens.rear_vertex_mm + given.get("film_distance", film)
         np.testing.assert_allclose([path[-1, 0] for path in paths], x)
         ends = np.array([path[-1, 1] for path in paths])
-        # An image of infinity at f tan(angle), upside down; on the other film a bundle 1/N wide.
+        # On the film in focus, the bundles are points at f tan(angle), upside down; on the film 1 mm behind, a bundle
+        # is 1/N mm wide.
         wide = 1 / lens.fnumber if given else 0.02
         assert np.ptp(ends[:5]) == pytest.approx(wide, rel=0.05) if given else np.ptp(ends[:5]) < wide
         assert ends[5:].mean() == pytest.approx(lens.focal_length_mm * np.tan(np.radians(12)), rel=0.05)
@@ -360,7 +361,7 @@ def test_a_distance_that_is_no_number_is_a_type_error(given):
 
 
 def test_a_tilted_film_is_in_focus_on_its_plane():
-    """Rays from film points of the solved camera meet on the plane, over a wide range of depths."""
+    """Rays from film points of the camera with the computed film meet on the plane, over a wide range of depths."""
     lens = Lens("dgauss.50mm", fnumber=8)
     points = np.array([[-200.0, -150.0, 700.0], [250.0, -150.0, 900.0], [0.0, -150.0, 1600.0]])
     film = lens.plane_of_focus(points)

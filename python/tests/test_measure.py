@@ -1,4 +1,4 @@
-"""Measures against closed forms, and against independent computations."""
+"""Compares measures with closed forms and with independent computations."""
 
 import matplotlib
 import numpy as np
@@ -14,19 +14,19 @@ def thin(**parameters):
 
 
 def bessel1(x):
-    """Computes J1 by its integral."""
+    """Computes the Bessel function J1 by its integral."""
     tau = (np.arange(4000) + 0.5) * np.pi / 4000
     return np.cos(tau - np.asarray(x)[..., None] * np.sin(tau)).mean(axis=-1)
 
 
 def test_a_defocused_thin_lens_has_the_spot_of_a_disk():
     """A lens of radius R focused at infinity, f from the film, images a point at g as a disk of radius R f / g."""
-    # The disk is even if every sample has the same weight.
+    # The disk is uniform if every sample has the same weight.
     camera = thin(fnumber=4, weighting="none")
     f, distance = camera.focal_length_mm, 3000.0
-    # The thin lens lies f from the film, less half of the 5.4 mm by which the principal planes are crossed
-    # (tests/golden/first_order.csv).
-    # The disk keeps the cone of the lens at f/4; the sine of its half angle is 1/8.
+    # The distance from the film to the thin lens is f minus half of the 5.4 mm by which the principal planes are
+    # crossed (tests/golden/first_order.csv). The disk keeps the cone of the lens at f/4; the sine of its half angle is
+    # 1/8.
     radius = f * np.tan(np.arcsin(1 / 8)) * f / (distance - f + 2.7)
     points = [[300, 200], [420, 120]]
     pixel = camera.film_size_mm[0] / 600
@@ -37,7 +37,7 @@ def test_a_defocused_thin_lens_has_the_spot_of_a_disk():
     transfer = measure.mtf(camera, points, frequencies, distance=distance)
     np.testing.assert_allclose(transfer, np.broadcast_to(np.abs(2 * bessel1(x) / x), (2, 2, 3)), atol=3e-3)
     np.testing.assert_allclose(measure.mtf(camera, points, [0.0]), 1, rtol=1e-12)
-    # In focus the spot is a point.
+    # In focus, the spot is a point.
     assert (measure.spots(camera, points).rms < 1e-3).all()
 
 
@@ -102,7 +102,8 @@ def test_spots_are_where_rays_of_one_object_point_meet_the_film():
 
 @pytest.mark.parametrize("name", ["dgauss.50mm", "tessar.50mm", "planar.50mm", "zoom.24-70mm"])
 def test_the_spot_on_the_axis_is_that_of_rays_from_the_scene(name):
-    """The light of a beam from infinity is even over its cross-section: rays of the lens alone, weighted by height."""
+    """A beam from infinity has uniform light over its cross-section, so rays of the lens alone are weighted by their
+    height."""
     camera, lens = Camera(name, resolution=(600, 400), focus_distance=np.inf), realistic.Lens(name)
 
     def trace(height):
@@ -145,14 +146,14 @@ def test_the_limit_of_diffraction_is_that_of_the_cone_of_light():
     assert measure.working_fnumber(camera.replace(weighting="none")) == measure.working_fnumber(camera)
     cutoff = 1e6 / (587.5618 * measure.working_fnumber(camera))
     found = measure.diffraction_mtf(camera, [0, cutoff / 2, cutoff, 2 * cutoff])
-    # At half the cutoff 2/3 - √3/(2π).
+    # At half the cutoff, the MTF is 2/3 - √3/(2π).
     np.testing.assert_allclose(found, [1, 2 / 3 - np.sqrt(3) / (2 * np.pi), 0, 0], atol=1e-9)
 
 
 def test_an_mtf_that_light_cannot_have_is_warned_of():
     with pytest.warns(realistic.CameraWarning, match="above 0.82, which diffraction leaves at f/8"):
         assert measure.mtf(thin(fnumber=8), [300, 200], 30).min() > 0.99
-    # No warning if the lens itself blurs more.
+    # There is no warning if the lens itself blurs more than diffraction.
     camera = Camera("dgauss.50mm", resolution=(600, 400), focus_distance=2000.0)
     measure.mtf(camera, [300, 200], [10, 30])
 
@@ -193,7 +194,8 @@ def test_a_fans_ray_ends_at_the_film_point_of_its_object():
         return np.stack(np.meshgrid(middles, middles), axis=-1).reshape(-1, 2)
 
     def passes(image_xy, side):
-        """Returns a film point's rays in the plane in focus and in that of the front vertex, along the axes."""
+        """Returns the points where a film point's rays meet the plane in focus and that of the front vertex, along the
+        axes."""
         rays = camera.rays(image_xy, grid(side))
         o, d = rays.origin[rays.weight > 0].astype(float), rays.direction[rays.weight > 0].astype(float)
         return [(o + d * ((at - o[:, 2:]) / d[:, 2:]))[:, :2] @ axes.T for at in (z, 0.0)]
@@ -224,7 +226,8 @@ def test_a_fans_ray_ends_at_the_film_point_of_its_object():
 
 
 def test_field_curvature_is_where_a_narrow_bundle_is_sharpest():
-    """Through focus, far from the middle, the tangential and sagittal widths of a small stop's spot are least there."""
+    """Far from the middle, the tangential and sagittal widths of the spot of a small stop are least at the two
+    focuses."""
     given = {"resolution": (600, 400), "fnumber": 22}
     camera = Camera("dgauss.50mm", **given)
     radius = 250.0
@@ -246,9 +249,10 @@ def test_field_curvature_is_where_a_narrow_bundle_is_sharpest():
 
 @pytest.mark.parametrize("distance", [np.inf, 800.0])
 def test_an_ideal_lens_has_the_field_angle_of_the_film_point(distance):
-    """A point at r on film at v behind a lens with its pupil in the lens plane sees in the direction r / v."""
+    """A film point at height r, at a distance v behind a lens with its pupil in the lens plane, sees in the direction r
+    / v."""
     for camera, unit in (
-        # Stopped down, so that the weighted mean of the pupil is near its middle.
+        # The lens is stopped down, so that the weighted mean of the pupil is near its middle.
         (thin(focus_distance=distance, fnumber=16), None),
         (Camera(model="perspective", resolution=(600, 400), fov=40.0), 200 / np.tan(np.radians(20))),
     ):
@@ -271,7 +275,7 @@ def test_field_angles_and_film_points_are_each_others_inverse(lens):
     angles = np.linspace(-0.99, 0.99, 7) * most
     found = Field.angles(angles).image_xy(camera)
     np.testing.assert_allclose(measure.field_angle(camera, found), np.abs(angles), rtol=1e-5, atol=1e-9)
-    # On the diagonal from the lower left to the upper right, in order.
+    # The points are on the diagonal from the lower left to the upper right, in order.
     np.testing.assert_allclose((found[:, 0] - 300) / 300, -(found[:, 1] - 200) / 200, atol=1e-6)
     assert (np.diff(found[:, 0]) > 0).all()
     across = Field.angles(x=[most, 0.0], y=[0.0, most]).image_xy(camera)

@@ -69,7 +69,7 @@ def test_the_wheel_carries_the_program_and_starts_it(wheel, tmp_path):
 
 
 def test_the_wheel_works_without_the_checkout(wheel, tmp_path):
-    """Unpacks it into an empty folder; of the installed packages, only NumPy is visible."""
+    """Unpacks the wheel into an empty folder; of the installed packages, only NumPy is visible."""
     import numpy
 
     zipfile.ZipFile(wheel).extractall(tmp_path / "site")
@@ -105,7 +105,8 @@ def test_what_is_missing_for_a_build_is_reported(checkout, tmp_path):
 
 
 def test_the_source_distribution_carries_what_cargo_reads(checkout, tmp_path):
-    """`.ci/run` builds from it; here cargo finds each package's sources, and prebuilt files become the same wheel."""
+    """`.ci/run` builds from the source distribution; here cargo finds each package's sources, and prebuilt files become
+    the same wheel."""
     pytest.importorskip("hatchling")
     done = subprocess.run(
         [sys.executable, "-c", f"import hatchling.build as b; b.build_sdist({str(tmp_path)!r})"],

@@ -54,7 +54,7 @@ def test_a_batch_is_to_the_bit_what_single_rays_are(camera, samples):
 
 
 def layouts():
-    """Functions that take float32 in C order and return the same numbers in another layout."""
+    """Returns functions that take float32 in C order and return the same numbers in another layout."""
 
     def in_structures(array):
         wide = np.full((len(array), 5), np.nan, np.float32)
@@ -83,7 +83,7 @@ def layouts():
     }
 
 
-# Less than one of the library's blocks, and blocks with a remainder.
+# The sizes are less than one block of the library, and several blocks with a remainder.
 @pytest.mark.parametrize("n", [1, 7, 1027])
 @pytest.mark.parametrize("layout", layouts())
 def test_every_layout_gives_the_same_rays(camera, samples, layout, n):
@@ -274,7 +274,7 @@ def test_a_wrong_out_is_refused_with_what_it_is(camera, samples, case):
 
 
 def test_an_out_with_gaps_or_turned_around_is_taken(camera, samples):
-    """Strides that look like an overlap but are not: interleaved columns, and negative strides."""
+    """Tests strides that look like an overlap but are none: interleaved columns, and negative strides."""
     n, given = 4, samples(camera, 4)
     expected = camera.rays(*given)
     for origin, weight in (
@@ -360,7 +360,8 @@ def test_any_number_of_threads_may_trace(camera, samples):
 
 
 def test_the_interpreter_is_free_during_a_call(camera, samples):
-    """Another thread counts during a call. Only a released lock allows that: the switch interval is too long."""
+    """Another thread counts during a call. Only a released lock allows that, because the switch interval is very
+    long."""
     n = 200_000
     given, out = engine._Samples(*samples(camera, n), None), Rays.empty(n)
     request = _abi.Request(struct_size=ctypes.sizeof(_abi.Request))
@@ -401,7 +402,7 @@ def test_rays_can_be_printed_and_indexed(camera, samples):
 
 
 def test_rays_at_wavelengths(samples):
-    """Each equals the ray of a camera at that wavelength with the same film and stop."""
+    """Each ray equals the ray of a camera at that wavelength with the same film and stop."""
     given = {"resolution": (300, 200), "pupil": "rear", "weighting": "none"}
     camera = Camera("tessar.50mm", focus_distance=1000.0, **given)
     xy, uv = samples(camera, 300)

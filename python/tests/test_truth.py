@@ -1,4 +1,4 @@
-"""Rays against independent results: pbrt's own cameras, closed forms, brute force."""
+"""Compares rays with independent results: pbrt's own cameras, closed forms, brute force."""
 
 import numpy as np
 import pytest
@@ -39,7 +39,7 @@ def test_the_stock_models_have_the_rays_of_pbrts_own(checkout):
         rows = rows.astype(np.float32)
         camera = Camera(model=model, resolution=resolution, camera_to_world=matrix, **parameters)
         rays = camera.rays(rows[:, 0:2], rows[:, 2:4], rows[:, 4])
-        # These use sines and cosines, which differ between C libraries; the others are bit-identical.
+        # These cameras use sines and cosines, which differ between C libraries; rays of the others are bit-identical.
         tolerance = 4e-7 if model == "environment" or "lens_radius" in parameters else 0.0
         found = np.column_stack([rays.origin, rays.direction, rays.mint, rays.maxt, rays.time])
         np.testing.assert_allclose(found, rows[:, 5:14], tolerance, tolerance, err_msg=f"{model} {parameters}")
@@ -65,7 +65,7 @@ def test_the_thin_lens_lights_its_film_by_the_closed_form(fnumber):
 
 
 def test_the_true_pupil_and_the_rear_disk_agree_on_the_light():
-    """Two ways to integrate over the pupil: all samples pass, or four of five are blocked."""
+    """Compares two ways to integrate over the pupil: all samples pass, or four of five are blocked."""
     camera = Camera("dgauss.50mm", resolution=(300, 200))
     for x in (150.0, 40.0, 2.0):
         means = [
@@ -77,7 +77,8 @@ def test_the_true_pupil_and_the_rear_disk_agree_on_the_light():
 
 def test_relative_weights_have_mean_one_on_the_axis():
     camera = Camera("wide.22mm", resolution=(300, 200), weighting="relative")
-    # Jittered: the whole last ring of an even grid may fall into the map's narrow blocked margin.
+    # The samples are jittered, because the whole last ring of a uniform grid may fall into the map's narrow blocked
+    # margin.
     side = 300
     samples = lens_grid(side) + (np.random.default_rng(1).random((side * side, 2)) - 0.5) / side
     assert camera.rays([150.0, 100.0], samples).weight.mean(dtype=float) == pytest.approx(1, rel=1e-3)

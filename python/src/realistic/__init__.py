@@ -1,4 +1,4 @@
-"""A real camera for renderers, in the manner of NumPy.
+"""Cameras with real lenses for renderers, with an interface of NumPy arrays.
 
 >>> import numpy as np, realistic
 >>> camera = realistic.Camera("dgauss.50mm", resolution=(1920, 1280), focus_distance=1000.0)

@@ -1,4 +1,4 @@
-"""`realistic` and `python -m realistic`: the command-line program that the wheel carries."""
+"""Entry point of `realistic` and `python -m realistic`: runs the command-line program in the wheel."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from ._program import own
 
 
 def main() -> None:
-    """Runs the program with this process's arguments; replaces this process where the system supports that."""
-    # Not the program in PATH: that may be this very script.
+    """Runs the program with this process's arguments; on systems that support it, the program replaces this process."""
+    # PATH is not searched, because the program in it may be this very script.
     named = os.environ.get("REALISTIC_PROGRAM")
     found = Path(named) if named else own()
     if found is None or not found.is_file():

@@ -1,6 +1,7 @@
-"""The C ABI (`include/realistic.h`) through ctypes: its structures, functions and constants, and the library's file.
+"""Declares the C ABI (`include/realistic.h`) for ctypes: structures, functions and constants; finds and loads the
+library.
 
-Every other module calls the library through `library` of this one. ctypes releases the interpreter's lock during a
+All other modules call the library through this module's `library`. ctypes releases the global interpreter lock during a
 call. `tests/test_header.py` compares this module with the header.
 """
 
@@ -22,11 +23,11 @@ ABI_VERSION = 1
 """Oldest version of the C ABI that this package works with."""
 
 LOG = ctypes.CFUNCTYPE(None, c_void_p, c_int32, c_char_p)
-"""`realistic_log`."""
+"""`realistic_log`: the type of a callback for messages."""
 
 
 class Options(ctypes.Structure):
-    """`realistic_options`: the options of a camera to build."""
+    """`realistic_options`: the options for building a camera."""
 
     _fields_ = [
         ("struct_size", c_uint32),
@@ -120,7 +121,7 @@ class LensSurface(ctypes.Structure):
 
 
 class FocusedFilm(ctypes.Structure):
-    """`realistic_focused_film`: the film that is in focus on a plane."""
+    """`realistic_focused_film`: the distance and tilt of the film that is in focus on a plane."""
 
     _fields_ = [
         ("struct_size", c_uint32),
@@ -168,7 +169,7 @@ class LensPointsView(ctypes.Structure):
 
 
 class Request(ctypes.Structure):
-    """`realistic_request`: samples, and memory for their rays. Omitted columns are NULL."""
+    """`realistic_request`: samples and the memory for their rays. Pointers of omitted columns are NULL."""
 
     _fields_ = [
         ("struct_size", c_uint32),
@@ -212,10 +213,10 @@ class AimedView(ctypes.Structure):
 
 
 DISTANCE = ctypes.CFUNCTYPE(c_double, c_void_p, POINTER(Ray))
-"""`realistic_distance`."""
+"""`realistic_distance`: the type of a callback that measures a distance along a ray."""
 
 CONTRAST = ctypes.CFUNCTYPE(c_double, c_void_p, c_void_p, POINTER(Zone))
-"""`realistic_contrast`."""
+"""`realistic_contrast`: the type of a callback that measures the contrast in a zone."""
 
 _STATUS = c_int32
 
@@ -260,7 +261,7 @@ FUNCTIONS = {
 
 
 def library_file() -> Path:
-    """Path of the library: the file that the variable REALISTIC_PLUGIN names, else the one in this package."""
+    """Returns the library's path: the file that the variable REALISTIC_PLUGIN names, else the one in this package."""
     named = os.environ.get("REALISTIC_PLUGIN")
     if named:
         return Path(named)
@@ -292,7 +293,7 @@ library = _load()
 
 
 def version() -> str:
-    """The library's version, such as "0.1.0"."""
+    """Returns the library's version, such as "0.1.0"."""
     return str(library.realistic_version().decode())
 
 

@@ -1,4 +1,4 @@
-"""A camera's lens in the formats of other programs: the output of the program's `export`, as arrays."""
+"""Exports a camera's lens to the formats of other programs: returns the output of `realistic export` as arrays."""
 
 from __future__ import annotations
 
@@ -32,7 +32,8 @@ def _text(value: Any) -> str:
 def export(
     parameters: Mapping[str, Any], resolution: tuple[int, int], film_diagonal: float, model: str
 ) -> dict[str, Any]:
-    """Returns the report of `realistic export --as model --json`, lists as arrays, with the maps or file it writes."""
+    """Returns the report of `realistic export --as model --json`, with its lists as arrays, and adds the maps or the
+    text that the program writes to a file."""
     given = {"lens_file": "dgauss.50mm", **parameters, "film_diagonal": film_diagonal}
     if (of := given.pop("model", "lens")) != "lens":
         raise ValueError(f'only a camera of model "lens" has a lens to export, and this one is of "{of}"')
@@ -65,7 +66,7 @@ def export(
 
 
 def _arrays(value: Any) -> Any:
-    """Converts lists of numbers to arrays, at every depth."""
+    """Converts lists of numbers to arrays, at every level of nesting."""
     if isinstance(value, dict):
         return {name: _arrays(each) for name, each in value.items()}
     if isinstance(value, list):

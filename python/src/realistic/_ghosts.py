@@ -1,4 +1,4 @@
-"""The ghosts of a lens: the report of the program's `flare`, as objects."""
+"""Ghosts of a lens: the report of `realistic flare`, as objects."""
 
 from __future__ import annotations
 
@@ -15,19 +15,21 @@ from .errors import Error
 
 @dataclass(frozen=True)
 class Ghost:
-    """One ghost: light of a lamp that two surfaces reflect on its way to the film."""
+    """A ghost: a lamp's light that is reflected by two surfaces on its way to the film."""
 
     surfaces: tuple[int, int]
-    """Indices of the two surfaces, from 0 at the scene side: the second one to reflect, then the first one."""
+    """Indices of the two surfaces, counted from 0 at the scene side, in the order (second reflection, first
+    reflection)."""
     watts: float
-    """Power that reaches the film plane, W, for a lamp with an irradiance of 1 W/m² at the lens, across its light."""
+    """Power that reaches the film plane, W, if the lamp's irradiance at the lens is 1 W/m² on a plane perpendicular to
+    its light."""
     middle_mm: tuple[float, float]
     """Centroid of the ghost on the film plane, x and y."""
     rms_radius_mm: float
     """Root mean square distance from the centroid."""
     focus_before_film_mm: float | None
-    """Distance of its focus in front of the film, toward the scene, for a lamp at infinity on the axis; None if it has
-    no focus."""
+    """Distance of the ghost's focus in front of the film (toward the scene), for a lamp at infinity on the axis; None
+    if the ghost has no focus."""
 
 
 def ghosts(parameters: Mapping[str, Any], light: Sequence[float], coating: str) -> tuple[Ghost, ...]:

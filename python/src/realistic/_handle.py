@@ -1,4 +1,4 @@
-"""Objects of the library: builds them, passes on the library's messages, and frees them with the last reference."""
+"""Builds objects of the library, passes on the library's messages, and frees each object with its last reference."""
 
 from __future__ import annotations
 
@@ -25,7 +25,8 @@ class Borrowed:
 
 
 class Handle(Borrowed):
-    """A pointer that owns its object: the last reference frees it. A call in another thread holds a reference, too."""
+    """A pointer that owns its object and frees it when the last reference to the handle is gone. A call in another
+    thread holds a reference, too."""
 
     def __init__(self, pointer: int, free: Callable[[int], None]) -> None:
         super().__init__(pointer)
@@ -36,7 +37,8 @@ class Handle(Borrowed):
 
 
 def build(options: Options, new: Callable[..., int], free: Callable[[int], None]) -> tuple[Handle, list[str]]:
-    """Builds an object by the library's function `new`; returns it with the library's warnings. Logs other messages."""
+    """Builds an object with the library's function `new`; returns it and the library's warnings. Logs other
+    messages."""
     messages: list[tuple[int, str]] = []
 
     @LOG  # type: ignore[untyped-decorator]
@@ -58,9 +60,10 @@ def build(options: Options, new: Callable[..., int], free: Callable[[int], None]
 
 @contextmanager
 def _interrupts_after() -> Iterator[None]:
-    """Handles an interrupt after the block: raised in a callback of the library, `KeyboardInterrupt` would be lost."""
+    """Defers an interrupt to the end of the block: a `KeyboardInterrupt` raised in a callback of the library would be
+    lost."""
     handler = signal.getsignal(signal.SIGINT)
-    # Other threads get no interrupt and may not set a handler.
+    # Threads other than the main one get no interrupts and may not set a handler.
     if threading.current_thread() is not threading.main_thread() or not callable(handler):
         yield
         return

@@ -1,4 +1,5 @@
-"""Finds the command-line program `realistic`. In a wheel it is beside the library, because it loads that from there."""
+"""Finds the command-line program `realistic`. The program loads the library from its own folder, so a wheel has both in
+one folder."""
 
 from __future__ import annotations
 
@@ -11,13 +12,14 @@ NAME = "realistic.exe" if sys.platform == "win32" else "realistic"
 
 
 def own() -> Path | None:
-    """Path of the program in this package; None if there is none, as after `pip install -e`."""
+    """Returns the path of the program in this package; None if there is none, as after `pip install -e`."""
     file = Path(__file__).parent / NAME
     return file if file.is_file() else None
 
 
 def program() -> Path:
-    """Path of the program: the one that the variable REALISTIC_PROGRAM names, else this package's, else that in PATH.
+    """Returns the program's path: the one that the variable REALISTIC_PROGRAM names, else this package's, else the one
+    in PATH.
 
     Raises
     ------

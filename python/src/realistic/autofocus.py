@@ -1,4 +1,4 @@
-"""Autofocus: the film distance from distances or contrast that the caller measures in the scene."""
+"""Autofocus: finds the film distance from scene distances, or from picture contrast, that the caller measures."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 RULES = ("nearest", "centre", "average")
-"""Names of `realistic_autofocus_rule`, indexed by its values."""
+"""Names of the values of `realistic_autofocus_rule`, indexed by value."""
 
 
 def film_distance(
@@ -25,7 +25,7 @@ def film_distance(
     distance: Callable[[NDArray[np.float32], NDArray[np.float32]], float | None] | None,
     contrast: Callable[[int, tuple[float, float, float, float]], float | None] | None,
 ) -> float:
-    """Returns the film distance, mm; `contrast` gets the address of a camera. See `Camera.autofocus`."""
+    """Returns the film distance, mm, as `Camera.autofocus` does; but `contrast` gets the address of a camera here."""
     if rule not in RULES:
         raise ValueError(f"rule is {rule!r}; give one of {', '.join(map(repr, RULES))}")
     rows = np.asarray(zones, np.float32)
@@ -34,7 +34,8 @@ def film_distance(
     failures: list[BaseException] = []
 
     def answer(function: Callable[..., float | None], *arguments: Any) -> float:
-        """Calls the caller's function, up to its first exception, which must not pass through the library."""
+        """Calls the caller's function until it raises an exception; keeps the exception, which must not pass through
+        the library."""
         if failures:
             return float("nan")
         try:

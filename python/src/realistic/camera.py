@@ -1,4 +1,4 @@
-"""The camera: built from parameters, it generates rays."""
+"""The camera, which is built from parameters and generates rays."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 class Camera:
-    """A real camera: rays start on the film, pass every surface of a lens and leave for the scene.
+    """A camera with a real lens: rays start on the film, pass every surface of the lens and leave for the scene.
 
     Parameters
     ----------
@@ -39,32 +39,33 @@ class Camera:
     resolution : (int, int)
         Width and height of the picture in pixels.
     camera_to_world : array_like (4, 4), optional
-        Transform from camera space to world space, for column vectors. Camera space has +z forward, +x right, +y up,
-        units of `mm_per_unit`, and its origin at a lens's front vertex. Default: the identity.
+        Transform from camera space to world space, for column vectors. Camera space has +z forward, +x right, +y up, a
+        unit of `mm_per_unit` millimetres, and its origin at the lens's front vertex. Default: the identity.
     camera_to_world_end : array_like (4, 4), optional
         Pose of a moving camera at `transform_end`; `camera_to_world` is the pose at `transform_start`.
     transform_start, transform_end : float, optional
         Times of the two poses; default `shutter_open` and `shutter_close`.
     **parameters
-        Parameters of `realistic.Parameters`, named as in every host: `focus_distance`, `fnumber`, `film_diagonal`,
-        `mm_per_unit`, `model` and so on. None means the default.
+        Parameters of `realistic.Parameters`, which have the same names in every host program: `focus_distance`,
+        `fnumber`, `film_diagonal`, `mm_per_unit`, `model` and so on. None means the default.
 
     Raises
     ------
     realistic.Error
-        With the library's message: `ParameterError`, `LensFileError`, `FocusError`.
+        Usually a `ParameterError`, `LensFileError` or `FocusError`, with the library's message.
     TypeError, ValueError
-        For an unknown name, text for a number, NaN, or a matrix of another shape.
+        For an unknown name, text in place of a number, NaN, or a matrix of the wrong shape.
 
     Warns
     -----
     realistic.CameraWarning
-        A warning of the library, at the caller's line. Information goes to the logger "realistic".
+        For a warning of the library, reported at the caller's line. Informational messages go to the logger
+        "realistic".
 
     Notes
     -----
-    Cameras are immutable and thread-safe. A pickled camera consists of its parameters: the other process builds the
-    camera again, and reads a lens file by the same name. `close`, leaving a `with` block and deletion free the memory.
+    Cameras are immutable and thread-safe. A pickled camera consists of its parameters: unpickling builds the camera
+    again, and reads a lens file by the same name. `close`, leaving a `with` block and deletion free the memory.
 
     Examples
     --------
@@ -129,7 +130,8 @@ class Camera:
 
     @property
     def crop(self) -> tuple[int, int, int, int]:
-        """Pixels to render: x from, y from, x to, y to (exclusive); the whole picture unless `crop` was given."""
+        """Pixels to render: first x, first y, end x, end y (ends exclusive); the whole picture unless `crop` was
+        given."""
         x_from, y_from, x_to, y_to = self._info().crop
         return x_from, y_from, x_to, y_to
 
@@ -158,12 +160,13 @@ class Camera:
 
     @property
     def fnumber(self) -> float:
-        """Focal length over the axial beam's diameter at the stop in use, by exact rays; NaN without a lens."""
+        """Focal length divided by the axial beam's diameter at the current stop, from exact rays; NaN without a
+        lens."""
         return float(self._info().fnumber)
 
     @property
     def film_distance(self) -> float:
-        """Distance from the last vertex to the film; NaN for a model without a lens."""
+        """Distance from the last vertex to the film, mm; NaN for a model without a lens."""
         return float(self._info().film_distance)
 
     @property
@@ -176,7 +179,7 @@ class Camera:
 
     @property
     def film_diagonal(self) -> float:
-        """Film diagonal; NaN for a model without a lens."""
+        """Film diagonal, mm; NaN for a model without a lens."""
         return float(self._info().film_diagonal)
 
     @property
@@ -187,7 +190,8 @@ class Camera:
         return width * scale, height * scale
 
     def plan(self) -> str:
-        """Describes what the camera keeps and omits, and the lens model chosen for a tolerance, in text for people."""
+        """Returns a readable description of what the camera keeps and omits, and of the lens model chosen for a
+        tolerance."""
         handle = self._live()
         status, text = text_of(library.realistic_camera_plan, handle.pointer)
         check(status)
@@ -216,15 +220,16 @@ class Camera:
         lens_uv : array_like (n, 2)
             Lens sample (u, v), each in [0, 1]; values outside are clamped.
         time : array_like (n,), optional
-            Fraction of the shutter's interval, in [0, 1]; default 0, its opening.
+            Time as a fraction of the shutter's interval, in [0, 1]; default 0, when the shutter opens.
         wavelengths : array_like (n,), optional
-            nm, from 380 to 780; default the camera's own. Film, stop and exposure stay those at the camera's own.
+            Wavelengths of the rays, nm, from 380 to 780; default the camera's wavelength. Film, stop and exposure stay
+            as they are at the camera's wavelength.
         out : Rays, optional
             Arrays to write to; members that are None are not written. `Rays.empty` makes such arrays.
         reasons : bool
             Whether to report the outcome of each sample, in `reason`.
         differentials : bool
-            Whether to return the rays one pixel to the right and one pixel down, too, in `rx` and `ry`, at the ray's
+            Whether to also return the rays one pixel to the right and one pixel down, in `rx` and `ry`, at each ray's
             own wavelength.
 
         Returns
@@ -235,7 +240,7 @@ class Camera:
         Raises
         ------
         TypeError, ValueError
-            For arrays of another dtype or shape, which the message states; for a closed camera.
+            For arrays of the wrong dtype or shape, which the message states; for a closed camera.
 
         Notes
         -----
@@ -243,15 +248,16 @@ class Camera:
 
         Rays are traced from float32 samples; other dtypes are converted. A float32 array with contiguous columns (an
         array (2, n), transposed) is not copied. Other arrays, including (n, 2) in C order, are copied block by block,
-        at about a nanosecond per ray. A sample that holds NaN or infinity is blocked. Output arrays may share memory
-        with the input; outputs that partly overlap each other are an error.
+        at about a nanosecond per ray. A sample that contains NaN or infinity is blocked, except that an infinite u or v
+        is clamped. Output arrays may share memory with the input; outputs that share memory with each other are an
+        error.
         """
         handle = self._live()
         samples = (image_xy, lens_uv, time, wavelengths)
         return _rays.trace(handle.pointer, samples, out, reasons, differentials)
 
     def replace(self, **changes: Any) -> Camera:
-        """Returns another camera with some arguments changed; None removes an argument.
+        """Returns a new camera with some arguments changed; None removes an argument.
 
         A parameter replaces its alternative: `fnumber` replaces `aperture_diameter`, `film_distance` replaces
         `focus_distance`.
@@ -259,9 +265,9 @@ class Camera:
         Notes
         -----
         The rays equal those of a newly built camera to the last bit. Building is faster, because the new camera reuses
-        what depends on unchanged arguments alone: it does not read the lens again, and does not set it up again if
-        stop, wavelength and groups stay. In an animation of the focus, build each frame's camera by `replace` of the
-        one before.
+        everything that depends only on unchanged arguments. It does not read the lens again; nor does it set the lens
+        up again if the stop, the wavelength and the positions of the lens groups stay the same. In an animation of the
+        focus, build each frame's camera by `replace` of the previous frame's.
         """
         arguments = self._arguments()
         for name in changes:
@@ -291,7 +297,7 @@ class Camera:
         contrast: Callable[[Camera, tuple[float, float, float, float]], float | None] | None = None,
         rule: str = "nearest",
     ) -> float:
-        """Returns the film distance, mm, that focuses the camera on the scene in some zones of the picture.
+        """Returns the film distance, mm, that focuses the camera on what some zones of the picture show.
 
         `camera.replace(film_distance=camera.autofocus(...))` is the focused camera.
 
@@ -300,12 +306,12 @@ class Camera:
         zones : array_like (n, 4)
             Left, top, right and bottom edge of each zone, pixels.
         distance : callable, optional
-            Gets a ray's origin (3,) and direction (3,); returns the distance along the ray to the first surface, world
-            units: inf for a miss, None for "unknown". It is called for some rays per zone.
+            Gets a ray's origin (3,) and direction (3,); returns the distance along the ray to the first surface in
+            world units, inf for a miss, or None if unknown. It is called for several rays per zone.
         contrast : callable, optional
             Gets a trial camera, which is valid until the function returns, and a zone; returns the contrast of that
-            camera's picture in the zone, 0 or more, or None for "unknown". It is called for tens to hundreds of
-            cameras. Give this or `distance`.
+            camera's picture in the zone, 0 or more, or None if unknown. It is called for tens to hundreds of cameras.
+            Give either this or `distance`.
         rule : str
             Choice among several zones: "nearest" takes the zone that sees the nearest object, "centre" the zone nearest
             the middle of the picture, "average" the mean of their film distances.
@@ -313,7 +319,7 @@ class Camera:
         Raises
         ------
         realistic.FocusError
-            If no zone has an answer.
+            If autofocus finds no film distance in any zone.
         TypeError
             If neither or both of `distance` and `contrast` are given, or the given one is not callable.
         """
@@ -337,9 +343,10 @@ class Camera:
         return _autofocus.film_distance(options, zones, rule, distance, of_trial)
 
     def export(self, model: str) -> dict[str, Any]:
-        """Exports the lens for other programs, by its chief rays: a distortion model, or maps of every pixel.
+        """Exports the lens for other programs, from its chief rays: a distortion model, or maps with a value for every
+        pixel.
 
-        `measure.intrinsics` instead fits a model to the camera's pictures, by mean rays.
+        `measure.intrinsics` instead fits a model to mean rays, and so to the camera's pictures.
 
         Parameters
         ----------
@@ -350,11 +357,11 @@ class Camera:
         Returns
         -------
         dict
-            The program's report, with arrays for lists of numbers: `parameters` of a model; `errors` against exact
-            chief rays, pixels; `breathing`, the errors when focused elsewhere; `pupil_walk_mm`. A format with a file
-            adds its contents as `text`. "st-map" adds `undistort` and `distort`, (height, width, 3); "rays" adds
-            `origin`, mm in lens space, and `direction`, each (height, width, 3); "illumination" adds `map`, (height,
-            width).
+            The program's report, with lists of numbers as arrays: `parameters`, those of the model; `errors`, its
+            deviations from exact chief rays, pixels; `breathing`, the errors at other focus distances; and
+            `pupil_walk_mm`. A format that is written to a file adds the file's contents as `text`. "st-map" adds
+            `undistort` and `distort`, (height, width, 3); "rays" adds `origin`, mm in lens space, and `direction`, each
+            (height, width, 3); "illumination" adds `map`, (height, width).
 
         Raises
         ------
@@ -368,7 +375,7 @@ class Camera:
         Notes
         -----
         docs/export.md has the formulas. The package's own program writes the export, which does not depend on the
-        camera's pose, shutter and sampling.
+        camera's pose, shutter or sampling.
         """
         return _export.export(self._parameters, self._resolution, self.film_diagonal, model)
 

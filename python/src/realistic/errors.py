@@ -28,14 +28,15 @@ class ParameterError(Error, ValueError):
 
 
 class LensFileError(Error, ValueError, OSError):
-    """The lens description is missing or cannot be read; the message has file, line and column.
+    """The lens description is missing or cannot be read; the message states file, line and column.
 
-    A `ValueError` and an `OSError`, as `io.UnsupportedOperation` is: the library has one status for both.
+    It is both a `ValueError` and an `OSError`, like `io.UnsupportedOperation`, because the library has one status for
+    an invalid description and an unreadable file.
     """
 
 
 class FocusError(Error, ValueError):
-    """The lens cannot be focused at the requested distance, or no zone of an autofocus has an answer."""
+    """The lens cannot be focused at the requested distance, or autofocus finds no film distance in any zone."""
 
 
 class OutOfMemoryError(Error, MemoryError):
@@ -65,7 +66,7 @@ _BY_STATUS: dict[int, type[Error]] = {
 
 
 def check(status: int) -> None:
-    """Raises the exception of a nonzero status, with the message of this thread's last failure."""
+    """Raises the exception for a nonzero status, with the message of this thread's last failure."""
     if status != 0:
         message = library.realistic_last_error().decode(errors="replace")
         error = _BY_STATUS.get(status, Error)(message)
@@ -89,13 +90,13 @@ def warnings_to(listener: Callable[[str], object]) -> Iterator[None]:
 
 @contextmanager
 def quietly() -> Iterator[None]:
-    """Suppresses the warnings of cameras derived from the caller's, which has already given them."""
+    """Suppresses the warnings of cameras that are derived from the caller's camera, which has already issued them."""
     with warnings_to(lambda _message: None):
         yield
 
 
 def warn(message: str) -> None:
-    """Issues a warning at the caller's line outside this package."""
+    """Issues a warning at the line outside this package that led to it."""
     listener = _listener.get()
     if listener is not None:
         listener(message)

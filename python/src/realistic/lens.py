@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 SIDES = ("film", "scene")
-"""Names of `realistic_side`, indexed by its values."""
+"""Names of the values of `realistic_side`, indexed by value."""
 
 
 def _number(name: str, value: float) -> ctypes.c_double:
@@ -48,7 +48,8 @@ def catalogue() -> tuple[str, ...]:
 
 
 class Pupils(NamedTuple):
-    """First-order images of the aperture that limits the axial beam, with that beam's width; mm, z in lens space."""
+    """First-order images of the aperture that limits the axial beam: z in lens space, and the beam's diameter there,
+    mm."""
 
     entrance_mm: float
     entrance_diameter_mm: float
@@ -63,14 +64,15 @@ class LensRays:
     Attributes
     ----------
     origin : ndarray (n, 3) of float64
-        Point where each ray leaves the last surface, mm in lens space; for a blocked ray, the last surface that it met.
+        Point where each ray leaves the last surface, mm in lens space; for a blocked ray, its point on the last surface
+        that it met.
     direction : ndarray (n, 3) of float64
         Unit vectors.
     reason : ndarray (n,) of int32
         `Reason` of each ray; 0 for a ray that passes the lens.
     points : ndarray (n, surfaces, 3) of float64, or None
-        Point where each ray meets each surface, mm, surfaces from the scene's side; NaN for surfaces that it does not
-        reach. None unless requested.
+        Point where each ray meets each surface, mm, with the surfaces in order from the scene's side; NaN where a ray
+        does not reach a surface. None unless requested.
     """
 
     origin: NDArray[np.float64]
@@ -91,9 +93,9 @@ class LensRays:
 
 
 class Lens:
-    """A lens at one wavelength and stop.
+    """A lens at one wavelength and one setting of the stop.
 
-    Lens space has its origin at the front vertex, +z toward the scene, +x right and +y up; millimetres.
+    Lens space has its origin at the front vertex, +z toward the scene, +x right and +y up; its unit is the millimetre.
 
     Parameters
     ----------
@@ -104,11 +106,12 @@ class Lens:
     glass_catalog : str or path-like, optional
         A glass catalogue (AGF) to search first for the glasses of a lens file.
     zoom : float or str, optional
-        Focal length in mm of a zoom lens, or a position's name; default the lens file's first position.
+        Focal length of a zoom lens in mm, or name of a zoom position; default the first position in the lens file.
     wavelength : float, optional
-        nm, from 200 to 2000; default the lens file's, or 587.56.
+        Wavelength, nm, from 200 to 2000; default that of the lens file, else 587.56.
     aperture_diameter, fnumber : float, optional
-        Clear diameter of the stop in mm, or focal length over the axial beam's diameter; default the lens file's.
+        Clear diameter of the stop in mm, or f-number (focal length divided by the axial beam's diameter); default the
+        stop of the lens file.
 
     Raises
     ------
@@ -173,7 +176,7 @@ class Lens:
 
     @property
     def fnumber(self) -> float:
-        """Focal length, without its sign, over the diameter of the axial beam, by exact rays.
+        """Absolute focal length divided by the diameter of the axial beam, from exact rays.
 
         Infinite for an afocal lens, and if no ray parallel to the axis passes the lens.
         """
@@ -181,7 +184,7 @@ class Lens:
 
     @property
     def fnumber_paraxial(self) -> float:
-        """Paraxial f-number: focal length over the smallest first-order image of any aperture.
+        """Paraxial f-number: focal length divided by the diameter of the smallest first-order image of any aperture.
 
         It differs from `fnumber` in a fast lens, whose outer rays are not paraxial.
         """
@@ -189,12 +192,12 @@ class Lens:
 
     @property
     def tnumber_bare(self) -> float:
-        """T-number with uncoated surfaces: f-number over the square root of the transmission on the axis."""
+        """T-number with uncoated surfaces: f-number divided by the square root of the transmission on the axis."""
         return float(self._info.tnumber_bare)
 
     @property
     def tnumber_quarter_wave(self) -> float:
-        """T-number with a quarter wave of MgF2 for 550 nm on the surfaces between air and glass."""
+        """T-number with a quarter-wave layer of MgF2 for 550 nm on the surfaces between air and glass."""
         return float(self._info.tnumber_quarter_wave)
 
     @property
@@ -204,12 +207,12 @@ class Lens:
 
     @property
     def focal_points_mm(self) -> tuple[float, float]:
-        """z of the scene-side and of the film-side focal point; NaN for an afocal lens."""
+        """z of the scene-side and film-side focal points; NaN for an afocal lens."""
         return float(self._info.front_focal_point_mm), float(self._info.rear_focal_point_mm)
 
     @property
     def principal_planes_mm(self) -> tuple[float, float]:
-        """z of the scene-side and of the film-side principal plane; NaN for an afocal lens."""
+        """z of the scene-side and film-side principal planes; NaN for an afocal lens."""
         return float(self._info.front_principal_plane_mm), float(self._info.rear_principal_plane_mm)
 
     @property
@@ -257,12 +260,13 @@ class Lens:
         """Returns the film distance, mm from the last vertex, at which an object `focus_distance_mm` in front of the
         film is sharp.
 
-        Exact rays decide: the RMS spot of the point on the axis is smallest there. `focus_distance_mm` may be infinite.
+        Exact rays determine it: there the RMS spot of the axial object point is smallest. `focus_distance_mm` may be
+        infinite.
 
         Raises
         ------
         realistic.FocusError
-            If the lens cannot focus at this distance; the message states the nearest distance that it can.
+            If the lens cannot focus at this distance; the message states the nearest distance at which it can.
         """
         found = ctypes.c_double()
         check(
@@ -273,7 +277,8 @@ class Lens:
         return found.value
 
     def focused_on(self, film_distance: float) -> float:
-        """Returns the distance from the film to the object in focus, mm: the inverse of `focus`; NaN if none."""
+        """Returns the distance from the film to an object in focus, mm, as the inverse of `focus`; NaN if nothing is in
+        focus."""
         found = ctypes.c_double()
         check(
             library.realistic_lens_focused_on(
@@ -283,10 +288,10 @@ class Lens:
         return found.value
 
     def plane_of_focus(self, points: ArrayLike) -> dict[str, float]:
-        """Returns the film that is in focus on a plane, by Scheimpflug's rule: the parameters `film_distance`,
-        `film_tilt_x` and `film_tilt_y` of a `Camera`.
+        """Returns the film distance and tilt that focus the lens on a plane, by the Scheimpflug principle: the
+        parameters `film_distance`, `film_tilt_x` and `film_tilt_y` of a `Camera`.
 
-        The tilt follows from first-order optics, the distance on the axis from exact rays.
+        The tilt follows from first-order optics, and the distance on the axis from exact rays.
 
         Parameters
         ----------
@@ -296,7 +301,7 @@ class Lens:
         Raises
         ------
         realistic.FocusError
-            If a point has no real image, the points define no plane, or the film would stand in the lens.
+            If a point has no real image, the points define no plane, or the film would lie inside the lens.
 
         Examples
         --------
@@ -315,14 +320,15 @@ class Lens:
         return {name: float(getattr(film, name)) for name in ("film_distance", "film_tilt_x", "film_tilt_y")}
 
     def ghosts(self, light: Sequence[float] = (0.0, 0.0), *, coating: str = "quarter-wave") -> tuple[Ghost, ...]:
-        """Returns the ghosts of a lamp, light that two surfaces reflect, on film focused at infinity; the brightest
+        """Returns the ghosts of a lamp (light that two surfaces reflect) on film focused at infinity, the brightest
         first.
 
         Parameters
         ----------
         light : sequence of float
-            Two angles in degrees of a lamp at infinity, to the image's right (-180 to 180, straight behind) and up (-90
-            to 90); or a point in mm from the front vertex: right, up and toward the scene.
+            For a lamp at infinity, two angles in degrees: to the right in the image (-180 to 180; both ends are
+            straight behind) and up (-90 to 90). For a nearer lamp, a point in mm from the front vertex: right, up and
+            toward the scene.
         coating : str
             Coating of the surfaces between air and glass: "bare", "quarter-wave" (MgF2 for 550 nm), "v-coat",
             "three-layer", or "file" for the coatings that the lens file names.
@@ -330,7 +336,7 @@ class Lens:
         Raises
         ------
         realistic.Error
-            With the program's message; also if no part of the front surface faces the lamp.
+            If the program fails, with its message; also if no part of the front surface faces the lamp.
         FileNotFoundError
             If the program is not installed.
         """
@@ -346,17 +352,17 @@ class Lens:
         origins : array_like (n, 3)
             A point on each ray, mm in lens space, anywhere before the lens.
         directions : array_like (n, 3)
-            Directions of any length but 0: toward -z from the scene's side, toward +z from the film's. They are
+            Directions of any nonzero length: toward -z from the scene's side, toward +z from the film's side. They are
             broadcast together with `origins`.
         side : str
             Side from which rays come, "scene" or "film".
         points : bool
-            Whether to return the points where each ray meets each surface, too, which takes longer.
+            Whether to also return the points where each ray meets each surface, which takes longer.
 
         Returns
         -------
         LensRays
-            New arrays. A ray that holds NaN or infinity counts as missed.
+            New arrays. A ray that contains NaN or infinity gets the reason `MISSED`.
         """
         if side not in SIDES:
             raise ValueError(f'side is {side!r}; give "scene" or "film"')

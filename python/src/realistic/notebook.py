@@ -48,7 +48,8 @@ def drawing(surfaces: Sequence[Surface], caption: str) -> str:
 
 
 def table(columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
-    """Formats a table with a line of names; of many rows, the first and the last, and a line that counts the others."""
+    """Formats a table with a header row. Of a long table, shows the first and the last rows, and the number of the
+    others."""
     shown = [*rows] if len(rows) <= _ROWS else [*rows[: _ROWS // 2], *rows[-_ROWS // 2 :]]
     head = "".join(f"<th>{html.escape(name)}</th>" for name in columns)
     body = ["<tr>" + "".join(f"<td>{_cell(cell)}</td>" for cell in row) + "</tr>" for row in shown]

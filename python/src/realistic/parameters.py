@@ -89,7 +89,7 @@ def options_of(
 ) -> Options:
     """Returns the C structure of a camera.
 
-    `parameters` are those from `checked`. `pose` holds the given ones of camera_to_world, camera_to_world_end (4x4),
+    `parameters` are those from `checked`. `pose` may hold camera_to_world and camera_to_world_end (4x4), and
     transform_start and transform_end (numbers).
     """
     options = Options()
@@ -112,7 +112,7 @@ def _converted(name: str, value: Any) -> Any:
     """Converts a parameter's value to the type of its field."""
     kind: Any = _KINDS[name]
     if name == "zoom" and isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool):
-        # The C ABI takes text, because it may be a position's name.
+        # The C ABI takes a zoom setting as text, because it may be the name of a position.
         return repr(_number(name, value)).encode()
     if kind is ctypes.c_char_p:
         return _text(name, value)
@@ -133,7 +133,7 @@ def _converted(name: str, value: Any) -> Any:
 
 def _text(name: str, value: Any) -> bytes:
     try:
-        # Encoded as the file system's names are, so that any file can be named.
+        # Text is encoded like the file system's names, so that any file can be named.
         text = os.fsencode(value)
     except TypeError:
         raise TypeError(f"{name} must be text, not {value!r}") from None
@@ -150,6 +150,6 @@ def _number(name: str, value: Any) -> float:
     except TypeError:
         raise TypeError(f"{name} must be a number, not {value!r}") from None
     if math.isnan(number):
-        # NaN would mean "not given" to the C ABI, and pass silently.
+        # The C ABI would silently take NaN as "not given".
         raise ValueError(f"{name} is NaN; give a number, or leave it out for its default")
     return number

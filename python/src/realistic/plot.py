@@ -199,10 +199,12 @@ def section(
 
 
 def _paths(lens: Lens, angle: float, rays: int, film_distance: float) -> list[NDArray[np.float64]]:
-    """Returns paths of rays from infinity to the film, (points, 3) each, evenly over the unvignetted meridional fan."""
+    """Returns paths of rays from infinity to the film, (points, 3) each, evenly spaced over the unvignetted meridional
+    fan."""
     surfaces = lens.surfaces
     outer = max(surface.semi_diameter_mm for surface in surfaces)
-    # Rays begin in front of the lens and aim at the plane of the paraxial entrance pupil, or far beside the pupil.
+    # Rays begin in front of the lens and aim at points in the plane of the paraxial entrance pupil, also far outside
+    # the pupil.
     pupil = lens.pupils.entrance_mm if np.isfinite(lens.pupils.entrance_mm) else 0.0
     start = 1.2 * outer
     toward = np.array([0.0, np.sin(np.radians(angle)), -np.cos(np.radians(angle))])

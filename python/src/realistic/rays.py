@@ -1,6 +1,6 @@
-"""Rays as arrays: samples in, `Rays` out, by the C ABI's batch call.
+"""Rays as arrays: turns arrays of samples into `Rays` with the C ABI's batch call.
 
-The ABI takes arrays of any strides without a copy; only numbers of other types are copied.
+The ABI accepts arrays of any strides, so this module copies only arrays of other number types.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class Reason(enum.IntEnum):
     SHUT = 6
     """The shutter covers this film point at this time."""
     WAVELENGTH = 7
-    """The wavelength is invalid: not a number from 380 to 780 nm, or one at which a glass has no index."""
+    """The wavelength is invalid: NaN, outside 380 to 780 nm, or one at which a glass has no index."""
 
 
 @dataclass(eq=False, repr=False)
@@ -57,7 +57,7 @@ class Rays:
     direction : ndarray (n, 3) of float32
         Unit vectors.
     weight : ndarray (n,) of float32
-        Positive; 0 for a blocked ray. The camera's `weighting` defines it.
+        Weight of each ray, as the camera's `weighting` defines it; positive, or 0 for a blocked ray.
     mint, maxt : ndarray (n,) of float32, or None
         Distances from the origin at which the ray begins and ends, world units.
     time : ndarray (n,) of float32, or None
@@ -66,8 +66,8 @@ class Rays:
         `Reason` of each sample.
     rx, ry : Rays, or None
         The rays of the same lens and time sample one pixel to the right (image x + 1) and one pixel down (image y + 1).
-        They have an origin, a direction and a weight. A blocked neighbour has weight 0 and the ray's own origin and
-        direction.
+        They have only an origin, a direction and a weight. A blocked neighbour has weight 0 and the ray's own origin
+        and direction.
 
     Notes
     -----
@@ -129,7 +129,8 @@ def _vectors(rows: NDArray[np.float32], shape: tuple[int, ...]) -> NDArray[np.fl
 
 
 def view(kind: type[_View], array: NDArray[Any]) -> _View:
-    """Returns the view of an array (n, k) or (n,): the addresses and the stride of its elements."""
+    """Returns the view of an array (n, k) or (n,): the address of the first element of each component, and the
+    stride."""
     first = array.__array_interface__["data"][0]
     stride, *step = array.strides
     parts = [first + k * step[0] for k in range(array.shape[1])] if step else [first]
@@ -138,7 +139,7 @@ def view(kind: type[_View], array: NDArray[Any]) -> _View:
 
 @dataclass
 class _Samples:
-    """The samples of a call: (n, 2), (n, 2), and (n,) for the others, of any real type and strides."""
+    """The samples of a call: `image_xy` and `lens_uv` are (n, 2), the others (n,), of any real type and any strides."""
 
     image_xy: NDArray[Any]
     lens_uv: NDArray[Any]
@@ -148,7 +149,7 @@ class _Samples:
     def fill(self, request: Request) -> None:
         """Sets a request's pointers to the samples; copies numbers of other types."""
         if self.time is None:
-            # Fresh memory is zero. If all arrays are columns, the library takes them at once, without copies.
+            # Fresh memory is zero already. If all arrays are contiguous columns, the library reads them without copies.
             self.time = np.zeros(len(self.image_xy), np.float32)
         for field, name in (
             ("image", "image_xy"),
@@ -160,7 +161,7 @@ class _Samples:
             if array is None:
                 continue
             if array.dtype != _FLOAT32:
-                # Kept alive here while its address is in use.
+                # The copy must stay alive while its address is in use.
                 array = array.astype(np.float32, casting="same_kind")
                 setattr(self, name, array)
             setattr(request, field, view(Input, array))
@@ -170,7 +171,8 @@ class _Target:
     """The arrays that a call writes, flattened to (n, 3) and (n,), by their names in the ABI."""
 
     def __init__(self, rays: Rays, n: int, name: str | None, prefix: str = "") -> None:
-        """Takes the arrays of rays. `name`, for a caller's rays, requests checks and appears in their messages."""
+        """Collects the arrays of `rays`. If `name` is given, as for a caller's rays, checks them; messages contain the
+        name."""
         self.prefix = prefix
         self.arrays: dict[str, NDArray[Any]] = {}
         for field in ("origin", "direction", "mint", "maxt", "time", "weight", "reason"):
@@ -187,7 +189,7 @@ class _Target:
         self.temporary: dict[str, NDArray[Any]] = {}
 
     def fill(self, request: Request) -> None:
-        """Sets a request's pointers to the arrays; for other types, to temporary arrays."""
+        """Sets a request's pointers to the arrays, or to temporary arrays in place of those of other number types."""
         for field, array in self.arrays.items():
             dtype = _INT32 if field == "reason" else _FLOAT32
             if array.dtype != dtype:
@@ -204,7 +206,8 @@ class _Target:
         return found
 
     def finish(self, passed: NDArray[np.bool_]) -> None:
-        """Copies from the temporary arrays: weight and reason of every ray, the other numbers of those that pass."""
+        """Copies results from the temporary arrays: weight and reason of every ray, and other numbers of rays that
+        pass."""
         for field, numbers in self.temporary.items():
             rows = passed[:, np.newaxis] if numbers.ndim == 2 else passed
             where = True if field in ("weight", "reason") else rows
@@ -224,7 +227,7 @@ def _check_output(name: str, array: Any, shape: tuple[int, ...]) -> None:
         raise TypeError(f"{name} must be a NumPy array, not {type(array).__name__}")
     if array.shape != expected:
         raise ValueError(f"{name} must have shape {expected}, and has {array.shape}")
-    # NumPy would cast numbers to texts, times and bytes, too.
+    # NumPy would also cast numbers to strings, times and bytes.
     if array.dtype.kind not in "iufcO" or not np.can_cast(dtype, array.dtype, "same_kind"):
         raise TypeError(f"{name} must hold {dtype}, and has dtype {array.dtype}")
     if isinstance(array, np.ma.MaskedArray):
@@ -234,7 +237,7 @@ def _check_output(name: str, array: Any, shape: tuple[int, ...]) -> None:
 
 
 def _overlaps_itself(flat: NDArray[Any]) -> bool:
-    """Whether two elements of an array to write to, (n, 3) or (n,), share memory."""
+    """Whether two elements of an output array, (n, 3) or (n,), share memory."""
     if flat.flags.forc:
         return False
     columns = flat.T if flat.ndim == 2 else flat[np.newaxis]
@@ -243,7 +246,7 @@ def _overlaps_itself(flat: NDArray[Any]) -> bool:
 
 
 def _flat(name: str | None, array: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
-    """Returns an output array with other dimensions, in the same memory."""
+    """Returns an output array reshaped to `shape`, in the same memory."""
     if array.shape == shape:
         return array
     flat = array.reshape(shape)
@@ -256,7 +259,7 @@ def _flat(name: str | None, array: NDArray[Any], shape: tuple[int, ...]) -> NDAr
 
 
 def _input(name: str, given: ArrayLike, last: int | None) -> NDArray[Any]:
-    """Returns an array of samples, with `last` numbers in the last dimension."""
+    """Returns samples as an array; checks their type and, if `last` is given, the size of the last dimension."""
     array = np.asarray(given)
     if array.dtype != _FLOAT32 and not np.can_cast(array.dtype, np.float32, "same_kind"):
         raise TypeError(f"{name} must hold real numbers, and has dtype {array.dtype}")
@@ -268,7 +271,7 @@ def _input(name: str, given: ArrayLike, last: int | None) -> NDArray[Any]:
 def _inputs(
     image_xy: ArrayLike, lens_uv: ArrayLike, time: ArrayLike | None, wavelengths: ArrayLike | None
 ) -> tuple[_Samples, tuple[int, ...]]:
-    """Returns the flattened samples, and their shape before."""
+    """Returns the flattened samples, and the shape that they had before."""
     xy, uv = _input("image_xy", image_xy, 2), _input("lens_uv", lens_uv, 2)
     singles = {
         name: _input(name, given, None)
@@ -295,7 +298,8 @@ def trace(
     reasons: bool,
     differentials: bool,
 ) -> Rays:
-    """Traces the samples (image_xy, lens_uv, time, wavelengths) by a live camera's pointer. See `Camera.rays`."""
+    """Traces the samples (image_xy, lens_uv, time, wavelengths) with the pointer of an open camera; see
+    `Camera.rays`."""
     given, shape = _inputs(*samples)
     n = len(given.image_xy)
     if out is None:
@@ -350,7 +354,7 @@ def _separate(samples: _Samples, targets: list[_Target]) -> None:
 
 
 def _run(camera: int, n: int, samples: _Samples, targets: list[_Target]) -> None:
-    """Calls the library."""
+    """Calls the library and copies results from temporary arrays."""
     request = Request(struct_size=ctypes.sizeof(Request))
     samples.fill(request)
     for target in targets:

@@ -37,8 +37,8 @@ class Surface(NamedTuple):
     conic: float
     """Conic constant k: 0 for a sphere and a plane, -1 for a paraboloid."""
     aspheric: tuple[float, ...]
-    """A2, A3, ... A30 in mm^(1-i), of z = c r²/(1 + √(1 - (1 + k) c² r²)) + Σ Ai r^i toward the film; all 0 if not
-    aspheric."""
+    """Coefficients A2, A3, ... A30, in mm^(1-i), of the sag z = c r²/(1 + √(1 - (1 + k) c² r²)) + Σ Ai r^i toward the
+    film; all 0 if the surface is not aspheric."""
 
 
 def sag(surface: Surface, height: NDArray[np.float64]) -> NDArray[np.float64]:

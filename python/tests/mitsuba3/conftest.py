@@ -1,4 +1,4 @@
-"""Mitsuba 3, if available; skipped tests state what is missing."""
+"""Fixtures with Mitsuba 3, if it is available; skipped tests state what is missing."""
 
 import importlib
 import os
@@ -39,17 +39,17 @@ def _mitsuba(variant, llvm):
 
 @pytest.fixture(params=VARIANTS)
 def mi(request, llvm):
-    """The module, in one variant after the other, with the sensors registered."""
+    """Mitsuba's module, in each variant in turn, with the sensors registered."""
     return _mitsuba(request.param, llvm)
 
 
 @pytest.fixture
 def fast(llvm):
-    """The module, in the variant for pictures."""
+    """Mitsuba's module, in the variant for pictures."""
     return _mitsuba("llvm_ad_rgb", llvm)
 
 
 @pytest.fixture
 def spectral(llvm):
-    """The module, in the variant with spectral rays."""
+    """Mitsuba's module, in the variant with spectral rays."""
     return _mitsuba("llvm_ad_spectral", llvm)

@@ -1,4 +1,4 @@
-"""The wavelengths that go together through a lens with dispersion, and the noise."""
+"""Tests which wavelengths go together through a lens with dispersion, and the noise."""
 
 from itertools import pairwise
 
@@ -56,19 +56,19 @@ def test_a_path_has_the_ray_of_one_of_its_wavelengths(spectral, tolerance):
     if tolerance == 0:
         assert carried.max() == 1 and len(np.unique(hero)) == 4
     elif tolerance > 1:
-        # Beside an aperture's edge the pixel size is unknown, and wavelengths go alone.
+        # Next to an aperture's edge, the size of a pixel is unknown, so wavelengths go alone.
         assert (carried == passes.sum(axis=0)).mean() > 0.98
     else:
         assert set(carried) >= {1, 2, 3, 4}
 
 
 def test_on_the_mean_each_wavelength_has_its_own_weight(spectral):
-    """The mean is over the choice of the hero, which the number's fine part makes."""
+    """The mean is over the choices of the hero, which the fine part of the random number makes."""
     mi = spectral
     n, points = 20_000, 6
     _, picture, lens = samples(points, seed=8)
     for tolerance in (0.0, 1.0):
-        # A larger picture, where the wavelengths fall into groups.
+        # In a picture of this size, the wavelengths fall into groups.
         sensor, camera = sensor_of(mi, (1920, 1280), dispersion_tolerance=tolerance), camera_of((1920, 1280))
         for at in range(points):
             number = np.float32((37 * at + (np.arange(n) + 0.5) / n) / 256)
@@ -98,7 +98,7 @@ def test_wavelengths_of_one_path_land_together(spectral):
             continue
         positions = {}
         for wavelength, carried in zip(np.round(wavelengths[:, k]), weight[:, k] > 0):
-            # Outside this range the lens's indices are extrapolated, and it warns.
+            # Outside this range the lens's indices are extrapolated, and the lens warns.
             if 420 <= wavelength <= 700:
                 at = lenses.setdefault(wavelength, realistic.Lens(LENS, wavelength=float(wavelength)))
                 # Mitsuba's +x is to the left.
@@ -109,7 +109,8 @@ def test_wavelengths_of_one_path_land_together(spectral):
         here = picture[:, k] * size * [-1, 1] + [size[0] / 2, -size[1] / 2]
         for position, carried in positions.values():
             (found if carried else alone).append(np.linalg.norm(position - here))
-    # The sensor compares rays through the same point of the pupil, not the same ray: hence the margin of a tenth.
+    # The sensor compares rays through the same point of the pupil, whereas this test traces one ray back at all
+    # wavelengths. Hence the margin of a tenth.
     assert len(found) > 300 and max(found) < 1.1 * tolerance
     assert len(alone) > 50 and np.median(alone) > tolerance
 
@@ -119,7 +120,8 @@ def noise(values):
 
 
 def test_noise_is_at_most_twice_that_of_one_wavelength(spectral):
-    """Noise in R, G and B of even light, at the size at which one wavelength per path gave 20 times as much in G."""
+    """Measures noise in R, G and B of uniform light, at a picture size where one wavelength per path gave 20 times as
+    much in G."""
     mi = spectral
 
     def rgb(**properties):

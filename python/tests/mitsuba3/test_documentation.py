@@ -1,4 +1,4 @@
-"""The code in docs/mitsuba.md, README's lines for Mitsuba and the example work as stated."""
+"""Checks that the code in docs/mitsuba.md, the lines for Mitsuba in README and the example work as stated."""
 
 import os
 import re
@@ -34,7 +34,7 @@ def test_the_pages_xml_is_a_sensor(mi, checkout):
 
 def test_the_example_runs(fast, checkout, tmp_path):
     pytest.importorskip("matplotlib")
-    # The command's work, at a smaller size to save time.
+    # This code does the command's work, at a smaller size to save time.
     code = "import studio; studio.main('dgauss.50mm', 'studio.png', 90, 60, 4, 2)"
     done = subprocess.run(
         [sys.executable, "-c", code],

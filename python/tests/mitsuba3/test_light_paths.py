@@ -20,7 +20,7 @@ def sensor_of(mi, film=WHOLE, **properties):
 
 
 def scene_of(mi, sensor, integrator):
-    """A ball on a floor, a lamp in the picture, and a larger one above it."""
+    """Loads a scene with a ball on a floor, a lamp in the picture, and a larger lamp above."""
     T = mi.ScalarTransform4f
     white = {"type": "diffuse", "reflectance": 0.6}
     lamp = {"type": "area", "radiance": 3.0}
@@ -67,9 +67,10 @@ def test_directions_reach_the_film_point_that_sends_them(mi):
     sensor = mi.load_dict(sensor_of(mi, film, mm_per_unit=10.0, focus_distance=100.0, shutter_close=2.0, fnumber=22))
     scalar = mi.variant().startswith("scalar")
     numbers = np.random.default_rng(3).random((60, 4))
-    # Not at the very edge of the window, beyond which importance is 0.
+    # The points avoid the very edge of the window, because beyond it the importance is 0.
     for x, y, u, v in (0.03 + 0.94 * numbers).tolist():
-        # A small stop: all points of the pupil see the point in focus at nearly the same film point.
+        # With a small stop, rays from the point in focus meet nearly the same film point through all points of the
+        # pupil.
         ray, weight = sensor.sample_ray(1.0, 0.5, mi.Point2f(x, y), mi.Point2f(0.5, 0.5))
         far = mi.SurfaceInteraction3f() if scalar else mi.Interaction3f()
         far.p, far.time = ray(100.0), 1.0

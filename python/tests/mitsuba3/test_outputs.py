@@ -1,4 +1,5 @@
-"""Outputs of integrators other than light: those that a ray's weight multiplies, and the values of blocked rays."""
+"""Outputs of integrators other than light: tests which of them a ray's weight multiplies, and their values for blocked
+rays."""
 
 import numpy as np
 import pytest
@@ -63,7 +64,7 @@ def test_texture_derivatives_are_right_where_rays_are_blocked(fast):
     position, dx, dy = picture[..., :3], SAMPLES**0.5 * picture[..., 3:5], SAMPLES**0.5 * picture[..., 5:7]
     pixel = LENS["film_diagonal"] / np.hypot(*SIZE) / 50.4 * FAR
     assert np.abs(position - points)[lit, :2].max() < 0.25 * pixel
-    # The next pixel's point on the wall, as texture coordinates; u increases to the left of the world.
+    # Steps to the next pixel's point on the wall, in texture coordinates; u increases toward the world's left.
     steps = (
         np.diff(points, axis=1)[..., :2] / (2 * SCALE) * [-1, 1],
         np.diff(points, axis=0)[..., :2] / (2 * SCALE) * [-1, 1],
@@ -79,7 +80,7 @@ def test_texture_derivatives_are_right_where_rays_are_blocked(fast):
 
 @pytest.mark.parametrize("weighting", ["relative", "none"])
 def test_the_weight_multiplies_an_integrators_radiance_alone(fast, weighting):
-    """Checks the page's table: `depth` returns the distance as radiance."""
+    """Checks the table in docs/mitsuba.md: `depth` returns the distance as radiance."""
     light, depth = (
         np.array(fast.render(scene_of(fast, kind, {**LENS, "weighting": weighting}), spp=SAMPLES), np.float64)[..., 0]
         for kind in ({"type": "path", "max_depth": 1}, {"type": "depth"})

@@ -1,4 +1,4 @@
-"""Pictures: framing, even light, and agreement with the command-line program's picture."""
+"""Pictures: framing, uniform light, and agreement with the command-line program's picture."""
 
 import framing
 import numpy as np
@@ -17,7 +17,7 @@ def rendered(mi, shapes, sensor, spp, seed=1, depth=2):
 
 
 def in_focus(camera, image_xy):
-    """Returns points of the plane in focus, camera space, that intrinsics project to film points (n, 2)."""
+    """Returns points of the plane in focus, in camera space, that intrinsics project to film points (n, 2)."""
     found = realistic.measure.intrinsics(camera)
     (fx, _, cx), (_, fy, cy), _ = found.matrix
     k1, k2, p1, p2, k3 = found.distortion
@@ -58,7 +58,7 @@ def test_lights_are_where_the_intrinsics_have_them(fast, lens):
 
 
 def test_an_even_light_shows_the_illumination(fast):
-    """Each pixel's mean equals that of the camera's weights, within its standard error; blocked rays count as dark."""
+    """Each pixel equals the mean of the camera's weights, within its standard error; blocked rays count as dark."""
     mi = fast
     size, spp = (36, 24), 1024
     parameters = {"lens_file": "wide.22mm", "pupil": "rear"}
@@ -72,7 +72,8 @@ def test_an_even_light_shows_the_illumination(fast):
     picture = rendered(mi, {"light": {"type": "constant"}}, sensor, spp)
     off = (picture[..., 0] - mean) / (spread * np.sqrt(1 / spp + 1 / weight.shape[2]))
     assert np.abs(off).max() < 5
-    # All pixels of the expected mean share the same lens samples: it is off by some standard errors as a whole.
+    # All pixels of the expected picture share the same lens samples, so it may be off as a whole by some standard
+    # errors.
     assert np.abs(off - off.mean()).std() < 1.1
 
 

@@ -145,7 +145,7 @@ def test_the_lens_can_be_changed(mi):
         weighting="relative",
         camera_to_world=np.diag([-1.0, 1.0, 1.0, 1.0]),
     )
-    # Assigned values, and those that depend on them, are shown.
+    # Assigned values, and values that depend on them, are shown.
     assert shown["film_distance"][0] == pytest.approx(expected.film_distance, rel=1e-9)
     assert shown["zoom"][0] == pytest.approx(50) and shown["fnumber"][0] == pytest.approx(8)
     assert sensor.camera.parameters["shutter_slit"] == 0.5
@@ -156,7 +156,7 @@ def test_the_lens_can_be_changed(mi):
     if not mi.is_spectral:
         np.testing.assert_allclose(np.ravel(weight)[0], rays.weight[0], rtol=1e-5)
 
-    # Mitsuba's own numbers and NumPy's are assigned alike.
+    # Mitsuba's own numbers and NumPy's can both be assigned.
     for value in (mi.Float(1.25), np.float32(1.25), np.array([1.25]), [1.25]):
         shown["focus_distance"] = 1.5
         shown.update()

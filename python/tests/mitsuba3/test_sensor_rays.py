@@ -43,7 +43,7 @@ def samples(n=400, seed=1):
     "properties",
     [
         {"lens_file": "dgauss.50mm", "focus_distance": 1000.0},
-        # Some of its film points get no light.
+        # Some film points of this camera get no light.
         {"lens_file": "fisheye.10mm", "film_diagonal": 40.0, "pupil": "rear", "mm_per_unit": 1000.0},
         {
             "lens_file": "wide.22mm",
@@ -117,7 +117,7 @@ def test_a_blocked_ray_has_the_direction_of_its_film_point(mi, properties):
     assert angles(d[blocked], chief.direction[blocked]).max(initial=0) < same
     dark = ~lit
     assert dark.any() == ("film_diagonal" in properties)
-    # A pinhole with the lens's focal length, computed here: Mitsuba's +x is to the left.
+    # The expected rays are those of a pinhole with the lens's focal length, computed here; Mitsuba's +x is to the left.
     per_pixel = camera.film_diagonal / np.hypot(*SIZE) / camera.focal_length_mm
     for found, step in ((d, (0, 0)), (d_x, (1, 0)), (d_y, (0, 1))):
         x, y = (picture.T[dark] * SIZE + step - np.array(SIZE) / 2).T * per_pixel
@@ -256,7 +256,7 @@ def causes(error):
 
 
 def test_a_spectral_ray_has_its_own_wavelength(spectral):
-    """Tests wavelengths that go alone; test_dispersion.py tests those that go together."""
+    """Tests wavelengths that go alone; test_dispersion.py tests wavelengths that go together."""
     mi = spectral
     kind = {"type": "realistic", "lens_file": "tessar.50mm", "focus_distance": 1000.0, "film": film()}
     sensor = mi.load_dict({**kind, "dispersion_tolerance": 0})
@@ -282,7 +282,7 @@ def test_a_spectral_ray_has_its_own_wavelength(spectral):
         expected = beside.direction - rays.direction
         both = (beside.weight > 0) & (np.abs(there).max(axis=1) > 0)
         assert both.mean() > 0.9
-        # The step to the neighbours is that of the first wavelength.
+        # The step to the neighbours is that at the first wavelength.
         scale = np.linalg.norm(expected[both], axis=1, keepdims=True)
         assert np.abs((there - expected)[both] / scale).max() < 0.01
     # At one wavelength, and without dispersion, a ray carries all four.

@@ -23,8 +23,8 @@ def write_shader(
 ) -> Path:
     """Writes the shader of a lens (a file, or a name of the catalogue) and returns its path.
 
-    dispersion: whether each sample has a wavelength of its own. film_diagonal: diagonal of the largest sensor,
-    shifts included; film beyond it stays black. zoom: a focal length in mm or a position's name at which to fix a zoom
+    dispersion: whether each sample has a wavelength of its own. film_diagonal: diagonal of the largest sensor, shifts
+    included; film beyond it stays black. zoom: focal length in mm, or name of a zoom position, at which to fix a zoom
     lens; by default the shader covers the whole zoom range.
 
     Raises FileNotFoundError if the program is not found, and Error with the program's message if it fails.

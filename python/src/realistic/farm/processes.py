@@ -1,4 +1,4 @@
-"""A pool of processes on this machine that survives the death of one."""
+"""A pool of processes on this machine, which survives the death of a process."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ _STARTS = 3
 
 
 class NoProcessError(RuntimeError):
-    """No process can be started here, for any job."""
+    """No process can be started on this machine, whatever the job."""
 
 
 class Processes:
-    """Processes with one job each at a time.
+    """A set of processes, each of which runs one job at a time.
 
     A `ProcessPoolExecutor` fails all its jobs when one of its processes dies. Therefore each process has an executor of
     its own: when a process dies, only its own job fails, and another process replaces it.
@@ -35,7 +35,7 @@ class Processes:
             self._idle.put(None)
 
     def run(self, function: Callable[[Job], Result], job: Job) -> Result:
-        """Runs a function for a job in an idle process, for which it waits; returns or raises what the function does.
+        """Waits for an idle process and runs a function for a job in it; returns the result or raises the exception.
 
         Raises
         ------
@@ -64,7 +64,7 @@ def _started() -> ProcessPoolExecutor:
     """Starts a process and returns it once it is ready for a job."""
     failure: RuntimeError | None = None
     for _ in range(_STARTS):
-        # A process with threads must not fork, and many have threads.
+        # A process with threads must not fork, and many callers have threads.
         context = multiprocessing.get_context("spawn")
         process = ProcessPoolExecutor(1, mp_context=context, initializer=_end_with_the_parent)
         try:
@@ -80,7 +80,7 @@ def _started() -> ProcessPoolExecutor:
 
 
 def _is_alive(process: ProcessPoolExecutor) -> bool:
-    """Whether a process takes jobs; a dead one would fail its next job."""
+    """Whether a process still accepts jobs; a job would fail in a dead process."""
     try:
         process.submit(os.getpid).result()
     except RuntimeError:
@@ -90,7 +90,7 @@ def _is_alive(process: ProcessPoolExecutor) -> bool:
 
 
 def _end_with_the_parent() -> None:
-    """Ends this process when its parent is killed and cannot end it. Leaves interrupts to the parent."""
+    """Makes this process end if its parent is killed and so cannot end it. Leaves interrupts to the parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
     assert parent is not None

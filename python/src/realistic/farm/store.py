@@ -1,4 +1,5 @@
-"""Results in a folder, keyed by the content of their jobs, so that the next run continues an interrupted one."""
+"""Stores results in a folder, keyed by the content of their jobs, so that another run can continue an interrupted
+one."""
 
 from __future__ import annotations
 
@@ -29,7 +30,8 @@ _SUM = hashlib.sha256().digest_size
 
 
 class Store:
-    """The results in a folder, a `diskcache.Cache`: several processes may use it at once, and may die while they write.
+    """A folder of results, kept by `diskcache.Cache`. Several processes may use it at once, and may die while they
+    write.
 
     A result's key covers everything that determines the result: the job itself, the content of the files that it names
     and of the glass catalogues beside them, and this package with its library and program.
@@ -53,7 +55,7 @@ class Store:
         self._package_digest = _digest_of_package()
 
     def key(self, job: Any) -> str:
-        """Returns the key of a job, a dataclass."""
+        """Returns the key of a job, which is a dataclass."""
         fields = json.loads(json.dumps(dataclasses.asdict(job), default=_plain))
         files = {str(file): self._digest_of_file(file) for text in _texts(fields) for file in _read_for(text)}
         content = json.dumps([self._package_digest, type(job).__qualname__, fields, files], sort_keys=True)
@@ -104,7 +106,8 @@ def _digest(file: Path) -> str:
 
 
 def _read_for(text: str) -> Iterator[Path]:
-    """Yields the files that a job's text names, alone or as an option's value, and the glass catalogues beside them."""
+    """Yields the files that a string in a job names, as a whole or as an option's value, and the glass catalogues
+    beside them."""
     value = text.partition("=")[2] or text
     # NAME@35mm is a scaled lens. The library looks for lens files in the working directory and beside itself.
     for name in {value, value.rpartition("@")[0]} - {""}:
@@ -123,7 +126,7 @@ def _catalogues(folder: Path) -> list[Path]:
 
 
 def _texts(value: Any) -> Iterator[str]:
-    """Yields all texts in a JSON value."""
+    """Yields all strings in a JSON value."""
     if isinstance(value, str):
         yield value
     elif isinstance(value, dict):

@@ -1,6 +1,6 @@
 """Studies: measures of many lenses at many stops, distances, fields and wavelengths, as one table.
 
-A job is one camera: a lens at a stop, a distance and a wavelength, over all fields.
+A job measures one camera, that is, one lens at one stop, focus distance and wavelength, at all field points.
 """
 
 from __future__ import annotations
@@ -58,37 +58,38 @@ def study(
 ) -> Table:
     """Measures lenses at every combination of stop, focus, field and wavelength.
 
-    Each argument is one value or several.
+    Each argument from `lenses` to `frequencies` is one value or several.
 
     Parameters
     ----------
     lenses : str or path-like
         Names of the catalogue, or lens files. Other machines must see a file under the same name.
     fnumbers : float, optional
-        None: the lens's own stop.
+        F-numbers; None means the lens's own stop.
     focus_distances : float
-        The plane that is in focus and measured: as `focus_distance`, world units from the film, or inf.
+        Distances of the plane that is in focus and measured, given like the parameter `focus_distance`: world units
+        from the film, or inf.
     fields : float or Field
         Fractions of half the film's diagonal, from 0 in the middle to 1 in the corner; or other field points.
     wavelengths : float
-        nm. The film is placed where the lens is in focus at 587.56 nm.
+        Wavelengths, nm. The film is always placed where the lens is in focus at 587.56 nm.
     frequencies : float
         Frequencies of the MTF, line pairs per mm on the film.
     resolution : (int, int)
-        Pixels; only the aspect ratio matters.
+        Width and height of the picture, pixels; only the aspect ratio matters.
     client : dask.distributed.Client or concurrent.futures.Executor, optional
         Workers for the jobs; default processes of this machine.
     processes : int, optional
         Number of processes of this machine; default one per processor. With more than one, a script must keep its own
         work behind `if __name__ == "__main__":`, because each process imports the script.
     retries : int
-        Number of further attempts for a camera whose process died or failed; after that its rows are those of a
-        failure.
+        Number of further attempts for a camera whose measurement failed or whose process died. After the last one, the
+        camera's rows are marked as failed.
     keep : str or path-like, optional
         A folder that keeps each camera's result when it arrives, keyed by everything that determines the result,
         including the content of lens files (needs diskcache: `pip install "./python[farm]"`). An interrupted study
-        continues where it stopped, and a finished one returns at once. Failures for lack of a process or a file are not
-        kept.
+        continues where it stopped, and a finished one returns at once. Failures that a dead process or a missing file
+        causes are not kept.
     progress : bool or callable
         True shows a bar if tqdm is installed and the output is a terminal or a notebook. A callable gets the number of
         finished cameras and the number of all cameras.
@@ -101,14 +102,18 @@ def study(
         A row for each combination, the wavelength changing fastest, then the field. Columns:
 
         - `lens`, `focus_distance`, `wavelength`, as requested;
-        - `fnumber` as requested, NaN for the lens's own stop, and `fnumber_used`, which differs if the lens does not open so far;
-        - `field`, the distance from the middle over half the diagonal, and `field_angle_deg`, the field angle;
-        - `focal_length_mm`; `spot_rms_um` on the film; for each frequency F the geometric `mtf_tangential_F` and
-          `mtf_sagittal_F`, and `mtf_diffraction_F`, their diffraction limit; `relative_illumination`, relative to the
-          middle; `distortion`; `acceptance`, the share of camera rays that pass the lens; NaN where there is no light;
-        - `failed`, whether the row has no measures: the lens cannot be read or focused that near, the middle of the
-          picture is dark, the field angle lies outside the picture, or no process could do the job;
-        - `note`: the library's warnings, for example of a stop wider than the lens, and why a row failed.
+        - `fnumber`, as requested, NaN for the lens's own stop; `fnumber_used`, which differs if the lens cannot open so
+          far;
+        - `field`, the distance from the middle divided by half the diagonal; `field_angle_deg`, the field angle;
+        - `focal_length_mm`;
+        - `spot_rms_um`, on the film;
+        - for each frequency F, the geometric `mtf_tangential_F` and `mtf_sagittal_F`, and their diffraction limit,
+          `mtf_diffraction_F`;
+        - `relative_illumination`, relative to the middle; `distortion`; `acceptance`, the share of camera rays that
+          pass the lens; NaN where there is no light;
+        - `failed`, whether the row has no measures because the lens cannot be read or cannot focus so near, the middle
+          of the picture is dark, the field angle lies outside the picture, or no process could do the job;
+        - `note`: the library's warnings, for example that the stop is wider than the lens, and why a row failed.
 
     Raises
     ------
@@ -135,13 +140,13 @@ def study(
     for row, columns in zip(cells, found):
         for name, values in columns.items():
             row[name] = values
-    # A job holds one camera's fields; in the table the wavelength changes fastest.
+    # A job has all field points of one wavelength; in the table, the wavelength changes fastest.
     return Table(cells.reshape(-1, len(colours), points.x.size).swapaxes(1, 2).ravel() if cells.size else cells.ravel())
 
 
 @dataclass(frozen=True)
 class _Job:
-    """One camera, and the measures to take."""
+    """One camera, and what to measure of it."""
 
     lens: str
     fnumber: float | None
@@ -153,7 +158,7 @@ class _Job:
     parameters: dict[str, Any]
 
     def result(self, found: dict[str, Any], notes: Sequence[str], failed: ArrayLike) -> bytes:
-        """Returns the rows as JSON: a camera's columns by name, each with a number per field point."""
+        """Returns the rows as JSON: a camera's columns by name, each with one value per field point."""
         requested: dict[str, Any] = {"fnumber": np.nan if self.fnumber is None else self.fnumber}
         requested |= {"focus_distance": self.focus_distance, "wavelength": self.wavelength}
         requested["field"] = self.field.share(self.resolution).ravel()
@@ -174,7 +179,7 @@ def _several(given: Any) -> list[Any]:
 
 
 def _dtype(frequencies: Sequence[float], found: Sequence[dict[str, list[Any]]]) -> np.dtype[Any]:
-    """Returns the table's columns in order."""
+    """Returns the dtype of the table, with its columns in order."""
 
     def text(name: str) -> tuple[str, str]:
         return name, f"U{max((len(each) for columns in found for each in columns[name]), default=1) or 1}"
@@ -189,7 +194,8 @@ def _dtype(frequencies: Sequence[float], found: Sequence[dict[str, list[Any]]]) 
 
 
 def _measured(job: _Job) -> bytes:
-    """Returns a camera's rows, with errors of the camera itself; raises errors that another attempt may not have."""
+    """Returns a camera's rows, in which errors of the camera itself are notes; raises errors that another attempt may
+    avoid."""
     found: dict[str, Any] = {}
     warned: list[str] = []
     reached, failure = np.ones(job.field.x.size, bool), ""
@@ -205,7 +211,7 @@ def _measured(job: _Job) -> bytes:
     for label, is_reached, is_lit in zip(job.field.labels, *np.broadcast_arrays(reached, lit)):
         own = "" if is_reached else f"the picture does not reach to {label}"
         dark = "" if is_lit else "no light gets to this point of the picture"
-        # A camera is built twice and warns twice.
+        # The camera is built twice, so it gives each warning twice.
         notes.append("; ".join(filter(None, [*dict.fromkeys(warned), failure, own, dark])))
     return job.result(found, notes, True if failure else ~reached)
 

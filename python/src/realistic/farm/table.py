@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class Table(np.ndarray[Any, np.dtype[Any]]):
-    """Rows of numbers and texts: a structured array, which pandas and others accept (`pandas.DataFrame(table)`).
+    """Rows of numbers and strings: a structured array, which pandas and others accept (`pandas.DataFrame(table)`).
 
     `table["spot_rms_um"]` is a column, `table[0]` a row, `table[mask]` a table of some rows.
     """
@@ -48,7 +48,7 @@ class Table(np.ndarray[Any, np.dtype[Any]]):
         )
 
     def to_csv(self, file: str | os.PathLike[str] | TextIO) -> None:
-        """Writes the table as CSV, with a line of names; numbers have all their digits, and NaN is an empty cell."""
+        """Writes the table as CSV with a header line. Numbers have full precision; NaN becomes an empty cell."""
         if isinstance(file, (str, os.PathLike)):
             with open(file, "w", encoding="utf-8", newline="") as opened:
                 self.to_csv(opened)

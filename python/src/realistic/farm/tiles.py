@@ -1,4 +1,5 @@
-"""Renders pictures of the command-line program in tiles and joins them to the same bytes as the whole picture."""
+"""Renders pictures in tiles with the command-line program. The joined tiles have the same bytes as a picture rendered
+whole."""
 
 from __future__ import annotations
 
@@ -34,7 +35,7 @@ def render(
 ) -> Path:
     """Renders a picture with `realistic render`, in many processes at once.
 
-    The file has the same bytes as a picture rendered in one piece, whichever worker renders a tile, and however often.
+    The file has the same bytes as a picture rendered in one piece, no matter which workers render a tile, or how often.
 
     Parameters
     ----------
@@ -48,7 +49,8 @@ def render(
     tile : (int, int)
         Width and height of a tile, pixels; tiles at the right and lower edge are smaller.
     client : dask.distributed.Client or concurrent.futures.Executor, optional
-        Workers for the tiles; default processes of this machine. Tiles come back as bytes: no file is shared.
+        Workers for the tiles; default processes of this machine. Workers return tiles as bytes, so that no shared files
+        are needed.
     processes : int, optional
         Number of processes of this machine; default one per processor.
     retries : int
@@ -70,8 +72,8 @@ def render(
     ValueError
         For an option that this function refuses, and for invalid sizes.
     RuntimeError
-        If the program fails at every attempt for a tile, with its message; or if there is no program. The other tiles
-        are kept.
+        If the program fails at every attempt for a tile, with the program's message; or if the program is not found.
+        The other tiles are kept.
     """
     target = Path(out)
     for option in options:
@@ -103,7 +105,7 @@ def render(
 
 @dataclass(frozen=True)
 class _Tile:
-    """One tile of a picture: the pixels from a column and row to a column and row."""
+    """One tile of a picture; `crop` is its first column, first row, end column and end row (ends exclusive)."""
 
     crop: tuple[int, int, int, int]
     size: tuple[int, int]
@@ -124,7 +126,7 @@ def _rendered(tile: _Tile) -> bytes:
 
 
 def _failed(_tile: _Tile, error: Exception) -> NoReturn:
-    """Raises the error of a failed tile: the picture needs every tile."""
+    """Raises the error of a failed tile, because the picture needs every tile."""
     died = isinstance(error, BrokenExecutor)
     raise RuntimeError("the process that rendered a tile died each time") if died else error
 

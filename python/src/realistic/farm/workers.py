@@ -28,7 +28,7 @@ Submit = Callable[..., Future[bytes]]
 
 @dataclass(frozen=True)
 class Workers:
-    """Workers for jobs, and the options for running them.
+    """Workers for jobs, and the options for running the jobs.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class Workers:
     retries : int
         Number of further attempts for a failed job.
     keep : str or path-like, optional
-        A folder for results; results of an earlier call in it are not computed again.
+        A folder for results; those that an earlier call left in it are not computed again.
     progress : bool or callable
         Whether to show a bar, or a function that gets the number of finished jobs and the number of all jobs.
     """
@@ -112,7 +112,8 @@ class Workers:
                 future = arrived.get()
                 number, failures = running.pop(future)
                 result = _outcome(future)
-                # Without the future Dask forgets the result; with it Dask computes the result again if the worker dies.
+                # Dask keeps a result while its future exists, and computes it again if the worker dies. So the future
+                # is deleted.
                 del future
                 if isinstance(result, NoProcessError):
                     raise result
@@ -126,9 +127,10 @@ class Workers:
 
     @contextmanager
     def _submitter(self, jobs: int) -> Iterator[tuple[Submit, int]]:
-        """Provides a `Submit` for the jobs, and the number of jobs that it holds at once."""
+        """Provides a `Submit` for the jobs, and the number of jobs to give it at once."""
         if self.client is not None:
-            # Not pure: Dask must not reuse the result of an equal job of another call, because lens files may change.
+            # `pure=False`, because Dask must not reuse the result of an equal job from an earlier call: lens files may
+            # change.
             executor = self.client if isinstance(self.client, Executor) else self.client.get_executor(pure=False)
             yield executor.submit, max(jobs, 1)
             return
@@ -163,7 +165,7 @@ def _outcome(future: Future[bytes]) -> bytes | Exception:
 
 
 def _store(folder: str | os.PathLike[str]) -> Store:
-    # Not every Python has sqlite3, which it needs.
+    # Imported only here, because the store needs sqlite3, which not every Python has.
     from .store import Store
 
     return Store(folder)

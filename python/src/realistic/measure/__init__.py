@@ -1,8 +1,9 @@
-"""Measures of a lens by its camera's rays, as arrays: illumination, spots, MTF, distortion, ray fans, field curvature.
+"""Measures of a lens, computed from its camera's rays, as arrays: illumination, spots, MTF, distortion, ray fans, field
+curvature.
 
-Points of the picture are a `Field`, in pixels, fractions or field angles, or an array of raster positions in pixels, as
-`image_xy` of `Camera.rays`. Measures are geometric optics, without diffraction; `diffraction_mtf` is the diffraction
-limit.
+Points of the picture are given either as a `Field` (in pixels, fractions or field angles) or as an array of raster
+positions in pixels, like `image_xy` of `Camera.rays`. Measures are geometric optics, without diffraction;
+`diffraction_mtf` is the diffraction limit.
 """
 
 from .diffraction import diffraction_mtf, working_fnumber

@@ -1,6 +1,6 @@
-"""Bundles: for some film points, the rays through the whole pupil, in camera space.
+"""Bundles: the rays from film points through the whole pupil, in camera space.
 
-Every fit and measure of a camera gets its rays here. A ray is kept as the line x(z) = at + slope * z.
+Every fit and measure of a camera gets its rays here. A ray is stored as the line x(z) = at + slope * z.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ class Bundles:
         return light
 
     def mean(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Returns the weighted mean over the lens samples, (n, 2) of (n, m, 2); NaN without light."""
+        """Returns the weighted mean, (n, 2), of values (n, m, 2) over the lens samples; NaN without light."""
         weight = self.weight[..., None]
         with np.errstate(invalid="ignore"):
             mean: NDArray[np.float64] = (values * weight).sum(axis=1) / weight.sum(axis=1)
@@ -72,7 +72,7 @@ class Bundles:
 @contextmanager
 def in_camera_space(camera: Camera) -> Iterator[Camera]:
     """Provides the camera at rest at the origin, with an open shutter and the default map from lens samples to a disk.
-    Builds it only if it differs from the given one."""
+    Builds a new camera only if it would differ from the given one."""
     plain: dict[str, Any] = {name: None for name in _NOT_THE_LENS if name in camera._arguments()}
     if not plain:
         yield camera
@@ -94,22 +94,23 @@ def pupil_rule(
     plain: Camera, image_xy: NDArray[np.float64], side: int
 ) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
     """Returns lens samples for integrals over the pupils of film points, (n, side², 2), and the share of the unit
-    square that each represents, (n, side²); `side` is even.
+    square that each sample represents, (n, side²); `side` must be even.
 
     The samples are Gauss-Legendre nodes along equally spaced radii, each up to the edge of the lit pupil. Over a smooth
-    pupil the error falls exponentially with their number; that of a grid falls with the square (G. W. Forbes, "Optical
-    system assessment for design: numerical ray tracing in the Gaussian pupil", J. Opt. Soc. Am. A 5, 1988).
+    pupil, the error falls exponentially with the number of nodes, whereas the error of a grid falls only with the
+    square of that number (G. W. Forbes, "Optical system assessment for design: numerical ray tracing in the Gaussian
+    pupil", J. Opt. Soc. Am. A 5, 1988).
     """
     nodes, weights = np.polynomial.legendre.leggauss(side // 2)
     nodes = (nodes + 1) / 2
     arms = 2 * side
-    # The concentric map takes squares to circles, and equal parts of a square's side to equal angles.
+    # The concentric map turns squares into circles, and equal parts of a square's side into equal angles.
     quarter, along = np.divmod((np.arange(arms) + 0.5) * 4 / arms, 1.0)
     turn = np.exp(0.5j * np.pi * quarter) * (1 + 1j * (2 * along - 1))
     ends = np.stack([turn.real, turn.imag], axis=-1)
 
     def samples(radius: NDArray[np.float64]) -> NDArray[np.float32]:
-        """Returns the lens samples at radii (n, arms, k), (n, arms * k, 2)."""
+        """Returns the lens samples, (n, arms * k, 2), at radii (n, arms, k)."""
         uv = 0.5 + 0.5 * radius[..., None] * ends[:, None, :]
         return uv.reshape(len(radius), -1, 2).astype(np.float32)
 
@@ -118,7 +119,8 @@ def pupil_rule(
         return np.asarray(rays.weight > 0)
 
     low, high = np.zeros((len(image_xy), arms)), np.ones((len(image_xy), arms))
-    # The whole radius serves if the middle is dark or nothing is blocked.
+    # The whole radius is used if the ray through the middle of the pupil is blocked, or the one at the radius's end
+    # passes.
     whole = ~passes(low) | passes(high)
     for _ in range(14):
         middle = (low + high) / 2
@@ -141,7 +143,7 @@ def bundles_of(plain: Camera, image_xy: NDArray[np.float64], lens_uv: NDArray[np
     rays = plain.rays(image_xy[:, None, :] if image_xy.ndim == 2 else image_xy, lens_uv)
     origin, direction = rays.origin.astype(np.float64), rays.direction.astype(np.float64)
     forward = (rays.weight > 0) & (direction[..., 2] > 0)
-    # A film point that sees sideways or backward has no mean in a plane.
+    # If a ray of a film point goes sideways or backward, the film point has no mean ray that meets a plane.
     forward &= ~np.any((rays.weight > 0) & (direction[..., 2] <= 0), axis=1, keepdims=True)
     dz = np.where(forward, direction[..., 2], 1.0)[..., None]
     slope = np.where(forward[..., None], direction[..., :2] / dz, 0.0)
@@ -150,7 +152,8 @@ def bundles_of(plain: Camera, image_xy: NDArray[np.float64], lens_uv: NDArray[np
 
 
 def plane_at(plain: Camera, distance: float | None) -> float:
-    """Returns z in camera space of a plane of the scene, given as `focus_distance` is; None means the plane in focus.
+    """Returns z in camera space of a plane in the scene, for a distance like `focus_distance`; None means the plane in
+    focus.
 
     Raises
     ------
@@ -174,7 +177,8 @@ def needs_pinhole(camera: Camera) -> None:
 
 
 def pinhole(plain: Camera, plane: float) -> float:
-    """Returns z of the pinhole from which a camera of `in_camera_space` sees a plane: a lens's entrance pupil."""
+    """Returns z of the pinhole from which a camera of `in_camera_space` sees a plane; for a lens, the entrance
+    pupil."""
     needs_pinhole(plain)
     if np.isinf(plane):
         # Directions to a plane at infinity do not depend on the pinhole.
@@ -190,8 +194,8 @@ def pinhole_of(bundles: Bundles) -> float:
 
 
 def seen_from(bundles: Bundles, z: float, plane: float) -> NDArray[np.float64]:
-    """Returns the point where the mean ray of each film point meets the plane, as (dx/dz, dy/dz) from the pinhole at z,
-    (n, 2).
+    """Returns the point where the mean ray of each film point meets the plane, as its direction (dx/dz, dy/dz) from the
+    pinhole at z, (n, 2).
 
     Raises
     ------
@@ -206,7 +210,8 @@ def seen_from(bundles: Bundles, z: float, plane: float) -> NDArray[np.float64]:
 
 
 def film_plane(plain: Camera) -> float:
-    """Returns z of the film plane in camera space, world units, negative; for a lens camera of `in_camera_space`."""
+    """Returns z of the film plane (negative) in camera space, world units, for a camera of `in_camera_space` with a
+    lens."""
     return (lens_of(plain).rear_vertex_mm - plain.film_distance) / float(plain.parameters.get("mm_per_unit", 1.0))
 
 
@@ -219,7 +224,8 @@ def lens_of(camera: Camera) -> Lens:
 
 
 def plane_in_focus(plain: Camera) -> float:
-    """Returns z of the plane in focus in camera space, world units; infinite for focus at infinity and a pinhole."""
+    """Returns z of the plane in focus in camera space, world units; infinite for focus at infinity and for a
+    pinhole."""
     if plain.interfaces > 0:
         focus = plain.focus_distance_mm
         if not np.isfinite(focus):

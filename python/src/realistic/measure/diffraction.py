@@ -20,10 +20,11 @@ if TYPE_CHECKING:
 
 
 def working_fnumber(camera: Camera) -> float:
-    """Returns the working f-number: 1/(2 sin θ') of the cone of rays that meets the middle of the picture.
+    """Returns the working f-number: 1/(2 sin θ'), with θ' the half angle of the cone of rays at the middle of the
+    picture.
 
-    At infinity it equals `camera.fnumber` except for aberrations; at near focus, with the film farther from the lens,
-    it is larger.
+    With focus at infinity it equals `camera.fnumber`, except for aberrations. With nearer focus, the film is farther
+    from the lens and the working f-number is larger.
 
     Raises
     ------
@@ -55,7 +56,8 @@ def wavelength_of(camera: Camera) -> float:
 
 
 def diffraction_mtf(camera: Camera, frequencies: ArrayLike) -> NDArray[np.float64]:
-    """Returns the MTF of a lens without aberrations at this camera's f-number and wavelength: no lens exceeds it.
+    """Returns the MTF of a lens without aberrations at this camera's f-number and wavelength, which no real lens
+    exceeds.
 
     Parameters
     ----------
@@ -65,9 +67,9 @@ def diffraction_mtf(camera: Camera, frequencies: ArrayLike) -> NDArray[np.float6
     Returns
     -------
     ndarray (k,)
-        2/π (arccos s - s √(1 - s²)), with s the frequency over the cutoff 1/(λ N) and N the `working_fnumber`; 0 from
-        the cutoff on. It holds in the middle of the picture; toward the corners the pupil is narrower and the limit
-        lower.
+        2/π (arccos s - s √(1 - s²)), with s the frequency divided by the cutoff 1/(λ N), and N the `working_fnumber`; 0
+        from the cutoff on. The formula is valid in the middle of the picture; toward the corners, the pupil is narrower
+        and the limit lower.
 
     Raises
     ------

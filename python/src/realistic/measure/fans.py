@@ -1,7 +1,7 @@
-"""Ray fans and field curvature, by exact rays of object points through the lens alone.
+"""Ray fans and field curvature, from exact rays that are traced from object points through the lens alone.
 
-The object point of a film point is the point where the mean of its rays meets a plane of the scene. From there rays go
-back through the unvignetted pupil (W. J. Smith, *Modern Optical Engineering*, 4th edition, 2008, chapter 3).
+The object point of a film point is the point where the mean of its rays meets a plane of the scene. From there, rays
+are traced back through the unvignetted pupil (W. J. Smith, *Modern Optical Engineering*, 4th edition, 2008, chapter 3).
 """
 
 from __future__ import annotations
@@ -24,10 +24,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Fans:
-    """Transverse ray aberrations: distances on the film from the object point's ray through the middle of the pupil.
+    """Transverse ray aberrations: distances on the film from the object point's ray that passes the middle of the
+    pupil.
 
-    Tangential is along the line from the picture's middle, outward positive; sagittal is across it. For a film point in
-    the middle, outward is upward.
+    The tangential direction is along the line from the picture's middle to the film point, outward positive; the
+    sagittal direction is perpendicular to it. For a film point in the middle, outward means upward.
 
     Attributes
     ----------
@@ -52,7 +53,7 @@ def fans(camera: Camera, field: FieldLike, *, distance: float | None = None, ray
     field : Field or array_like (n, 2)
         Field points.
     distance : float, optional
-        The plane of the scene, as `focus_distance`; default the plane in focus.
+        Distance of the plane in the scene, given like `focus_distance`; default the plane in focus.
     rays : int
         Number of rays in each fan; odd, so that one passes through the middle.
 
@@ -69,7 +70,7 @@ def fans(camera: Camera, field: FieldLike, *, distance: float | None = None, ray
     fan = []
     for axis in range(2):
         at = points.film(axis, pupil)[0][..., axis]
-        # The middle ray may be blocked if the pupil's edge is not round.
+        # If the pupil's edge is not round, the middle ray may be blocked; then the whole fan is NaN.
         fan.append((at - at[:, rays // 2, None]).reshape(*shape, rays))
     return Fans(pupil, fan[0], fan[1])
 
@@ -82,7 +83,7 @@ def field_curvature(camera: Camera, field: FieldLike, *, distance: float | None 
     field : Field or array_like (n, 2)
         Field points.
     distance : float, optional
-        The plane of the scene, as `focus_distance`; default the plane in focus.
+        Distance of the plane in the scene, given like `focus_distance`; default the plane in focus.
 
     Returns
     -------
@@ -98,7 +99,8 @@ def field_curvature(camera: Camera, field: FieldLike, *, distance: float | None 
     points = _ObjectPoints(camera, image_xy, distance)
     focus = []
     for axis in range(2):
-        # At a hundredth of the pupil, higher-order aberrations are a ten thousandth of those at its edge.
+        # At a hundredth of the pupil's radius, higher-order aberrations are a ten-thousandth of those at the pupil's
+        # edge.
         at, slope = points.film(axis, np.array([-0.01, 0.01]))
         apart, spread = (np.diff(numbers[..., axis], axis=1)[:, 0] for numbers in (at, slope))
         focus.append(-apart / spread)
@@ -118,7 +120,8 @@ class _ObjectPoints:
             bundles: Bundles = bundles_of(plain, image_xy, lens_grid(32))
             to_the_edge: Bundles = bundles_of(plain, image_xy, _lens_grid_to_the_edge(64))
         self.film_z = self.lens.rear_vertex_mm - camera.film_distance
-        # The picture turns the film's image upright: right of the axis in the scene is right in the picture.
+        # The picture is the film's image turned upright: what is right of the axis in the scene is on the right of the
+        # picture.
         radial = (image_xy - np.array(camera.resolution) / 2) * [1, -1]
         length = np.hypot(*radial.T)[:, None]
         outward = np.where(length > 0, radial / np.maximum(length, 1e-300), [0.0, 1.0])
@@ -139,7 +142,7 @@ class _ObjectPoints:
         self.before = 10 + 2 * max(surface.semi_diameter_mm for surface in self.lens.surfaces)
 
     def film(self, axis: int, pupil: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Returns the points where rays at pupil coordinates along an axis meet the film, and their slopes there.
+        """Returns the points where rays at pupil coordinates along an axis meet the film, and the rays' slopes there.
 
         Both are (n, k, 2): tangential and sagittal, outward positive in the picture; slopes are per mm behind the film.
         """
@@ -158,7 +161,7 @@ class _ObjectPoints:
         slope = rays.direction[..., :2] / -dz
         at = rays.origin[..., :2] + slope * (rays.origin[..., 2:] - self.film_z)
         passed = rays.passed & np.isfinite(origin).all(axis=-1)
-        # Right and up in the picture are left and down on the film.
+        # The film's image is upside down: right and up in the picture are left and down on the film.
         return tuple(
             np.where(passed[..., None], -np.einsum("nmk,nak->nma", numbers, self.axes), np.nan)
             for numbers in (at, slope)

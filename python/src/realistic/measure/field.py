@@ -25,7 +25,7 @@ def relative_illumination(camera: Camera, field: FieldLike, *, side: int = 32) -
     field : Field or array_like (n, 2)
         Field points.
     side : int
-        `side`² lens samples for each.
+        Square root of the number of lens samples for each field point.
 
     Returns
     -------
@@ -47,27 +47,29 @@ def relative_illumination(camera: Camera, field: FieldLike, *, side: int = 32) -
 
 
 def distortion(camera: Camera, field: FieldLike, *, distance: float | None = None) -> NDArray[np.float64]:
-    """Returns the distortion: the relative excess of image heights over those at the scale on the axis.
+    """Returns the distortion: the relative difference of image heights from those that the image scale on the axis
+    gives.
 
     Parameters
     ----------
     field : Field or array_like (n, 2)
         Field points.
     distance : float, optional
-        The plane of the scene, as `focus_distance`; default the plane in focus.
+        Distance of the plane in the scene, given like `focus_distance`; default the plane in focus.
 
     Returns
     -------
     ndarray (n,)
-        (r - r') / r', where r is the distance from the picture's middle and r' this distance without distortion:
-        negative for barrel, positive for pincushion distortion. 0 in the middle; NaN where there is no light.
+        (r - r') / r', where r is the distance from the picture's middle and r' what this distance would be without
+        distortion: negative for barrel, positive for pincushion distortion. 0 in the middle; NaN where there is no
+        light.
     """
     image_xy, shape = film_points(camera, field, distance)
     width, height = camera.resolution
     middle = np.array([width, height]) / 2
     radii = np.hypot(*(image_xy - middle).T)
     away = (image_xy - middle) / np.maximum(radii, 1e-300)[:, None]
-    # The scale near the axis, toward each point, because pixels need not be square.
+    # The scale is taken near the axis, in the direction of each point, because pixels need not be square.
     near = np.hypot(width, height) / 100
     points = np.concatenate([middle + near * away, image_xy])
     with in_camera_space(camera) as plain:

@@ -1,8 +1,8 @@
 """The pinhole camera with OpenCV's distortion that fits a real camera best.
 
-The mean ray of the pupil, weighted by light, leads from each film point of a grid to a point in a plane of the scene.
-Least squares find the projection that maps these points back to the film points (the model of OpenCV's calib3d: Brown,
-"Decentering distortion of lenses", Photogrammetric Engineering 32, 1966).
+From each film point of a grid, the mean ray over the pupil, weighted by light, leads to a point in a plane of the
+scene. A least-squares fit finds the projection that maps these points back to the film points (the model of OpenCV's
+calib3d: Brown, "Decentering distortion of lenses", Photogrammetric Engineering 32, 1966).
 """
 
 from __future__ import annotations
@@ -34,12 +34,12 @@ class Intrinsics:
     distortion : ndarray (5,)
         k1, k2, p1, p2, k3.
     residual_rms, residual_max : float
-        Distances of the film points from their positions in the fit, pixels.
+        RMS and largest distance of the film points from their positions in the fit, pixels.
     position : ndarray (3,)
-        The pinhole in camera space, world units: for a lens the entrance pupil.
+        Position of the pinhole in camera space, world units; for a lens, that of the entrance pupil.
     distance : float
-        Distance from the pinhole to the plane of the scene of the fit, world units; usually infinity or the plane in
-        focus.
+        Distance from the pinhole to the plane in the scene for which the model is fitted, world units; usually
+        infinite, or that of the plane in focus.
     coverage : float
         Share of the picture's film points from which a ray goes forward; the fit ignores the others.
     """
@@ -68,13 +68,13 @@ def intrinsics(camera: Camera, distance: float | None = None, *, coefficients: i
     """Fits the pinhole matrix and OpenCV's distortion to a camera's pictures, with the residual in pixels.
 
     The fit uses mean rays, because a detector finds the centre of a blurred image there. `Camera.export("opencv")` uses
-    chief rays, through the middle of the stop; coma and vignetting separate the two.
+    chief rays, which pass the middle of the stop. Coma and vignetting make mean rays and chief rays differ.
 
     Parameters
     ----------
     distance : float, optional
-        The plane of the scene for which to fit, as `focus_distance`: world units from the film plane (for model
-        "perspective" from the eye), or inf. Default: the plane in focus.
+        Distance of the plane in the scene for which to fit, given like `focus_distance`: world units from the film
+        plane (for model "perspective" from the eye), or inf. Default: the plane in focus.
     coefficients : int
         Number of distortion coefficients: 5 (k1, k2, p1, p2, k3), 4, 2 or 0. The others are 0.
 
@@ -90,7 +90,7 @@ def intrinsics(camera: Camera, distance: float | None = None, *, coefficients: i
 
     Notes
     -----
-    The fit uses about 1,000 film points from edge to edge, with 256 rays each and the camera's weights. No polynomial
+    The fit uses up to 1,089 film points from edge to edge, with 256 rays each and the camera's weights. No polynomial
     of OpenCV fits a fisheye: see `residual_max`, and `coverage` for film points that see sideways or nothing.
     """
     needs_pinhole(camera)
@@ -133,7 +133,8 @@ def _project(numbers: NDArray[np.float64], xy: NDArray[np.float64]) -> NDArray[n
 
 
 def _slopes(numbers: NDArray[np.float64], xy: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Returns the derivatives of `_project` by its nine numbers, (2n, 9): first those of u, then those of v."""
+    """Returns the derivatives of `_project` with respect to its nine numbers, (2n, 9): first those of u, then those of
+    v."""
     fx, fy, _, _, k1, k2, p1, p2, k3 = numbers
     x, y = xy[:, 0], xy[:, 1]
     r2 = x * x + y * y
@@ -150,7 +151,7 @@ def _slopes(numbers: NDArray[np.float64], xy: NDArray[np.float64]) -> NDArray[np
 def _least_squares(
     xy: NDArray[np.float64], pixels: NDArray[np.float64], fitted: NDArray[np.intp]
 ) -> NDArray[np.float64]:
-    """Fits by Gauss-Newton iteration, with steps halved until they reduce the error; begins without distortion."""
+    """Fits by Gauss-Newton iteration, and halves each step until it reduces the error; begins without distortion."""
 
     def residual(numbers: NDArray[np.float64]) -> NDArray[np.float64]:
         return (pixels - _project(numbers, xy)).T.ravel()
@@ -162,7 +163,7 @@ def _least_squares(
     left = residual(numbers)
     for _ in range(100):
         jacobian = _slopes(numbers, xy)[:, fitted]
-        # Columns differ by orders of magnitude: r^7 beside 1.
+        # Columns differ by orders of magnitude, such as r^7 and 1.
         scale = np.linalg.norm(jacobian, axis=0)
         step = np.zeros(9)
         step[fitted] = np.linalg.lstsq(jacobian / scale, left, rcond=None)[0] / scale

@@ -1,4 +1,4 @@
-"""Field points: the points of the picture for measures, plots and studies."""
+"""Field points: the points of the picture at which measures, plots and studies are computed."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 class Field:
     """Points of the picture: in pixels, as fractions of the picture, or as field angles.
 
-    Make it by `Field.pixels`, `Field.fractions` or `Field.angles`. Measures return a result for each point, in the
-    points' shape: for one point a single result.
+    Make a field by `Field.pixels`, `Field.fractions` or `Field.angles`. Measures return results in the shape of the
+    points; for one point, a single result.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class Field:
 
     @classmethod
     def fractions(cls, diagonal: ArrayLike | None = None, *, x: ArrayLike = 0.0, y: ArrayLike = 0.0) -> Field:
-        """Makes a field of fractions from the middle of the picture, 0, to its edge, 1.
+        """Makes a field of fractions of the picture: 0 is its middle, 1 its edge.
 
         Give either fractions of half the diagonal, toward the upper right corner; or `x`, fractions of half the width
         to the right, and `y`, fractions of half the height up, from -1 to 1.
@@ -76,8 +76,8 @@ class Field:
         """Makes a field of angles in degrees between the axis and the direction in which the camera sees a point.
 
         Give either angles of points on the diagonal, toward the upper right corner; or `x` to the right and `y` up, for
-        the direction (tan x, tan y, 1). The angles are those from the entrance pupil to the plane in focus, or to the
-        plane of the measure.
+        the direction (tan x, tan y, 1). The angles are those of lines from the entrance pupil to points of the plane in
+        focus, or of the plane of the measure.
         """
         field = cls("angles", *_along_or_across(diagonal, x, y))
         for numbers in (field.x, field.y):
@@ -93,7 +93,8 @@ class Field:
     def image_xy(self, camera: Camera, distance: float | None = None) -> NDArray[np.float64]:
         """Returns the points as raster positions, (..., 2); NaN for a field angle outside the picture.
 
-        `distance` is that of the plane for which angles hold, as `focus_distance`; default the plane in focus.
+        `distance` is that of the plane to which field angles refer, given like `focus_distance`; default the plane in
+        focus.
         """
         half = np.array(camera.resolution) / 2
         if self.unit != "angles":
@@ -136,7 +137,7 @@ class Field:
 
     @property
     def labels(self) -> list[str]:
-        """A short text for each point."""
+        """Short text for each point, such as "0.5" or "10°"."""
         sign = "°" if self.unit == "angles" else ""
         if self.y is None:
             return [f"{x:g}{sign}" for x in self.x.flat]
@@ -176,8 +177,8 @@ def field_angle(camera: Camera, field: FieldLike, *, distance: float | None = No
     field : Field or array_like (n, 2)
         Field points.
     distance : float, optional
-        The plane of the scene, as `focus_distance`; default the plane in focus. Angles are those from the entrance
-        pupil.
+        Distance of the plane in the scene, given like `focus_distance`; default the plane in focus. Angles are measured
+        at the entrance pupil.
 
     Returns
     -------
@@ -201,9 +202,10 @@ def _tangents(plain: Camera, image_xy: NDArray[np.float64], z: float, plane: flo
 def _radii(
     camera: Camera, direction: NDArray[np.float64], tangent: NDArray[np.float64], distance: float | None
 ) -> NDArray[np.float64]:
-    """Returns the distances from the middle, pixels, of field angles along directions (n, 2); NaN outside the picture.
+    """Returns the radii, pixels from the middle, at which directions (n, 2) have given field angles; NaN outside the
+    picture.
 
-    The angle grows with the radius: each round evaluates 17 radii in an interval and keeps the two that enclose the
+    The angle grows with the radius. So each round evaluates 17 radii in an interval and keeps the two that enclose the
     angle.
     """
     half = np.array(camera.resolution) / 2

@@ -43,8 +43,8 @@ class Spots:
     def rms(self) -> NDArray[np.float64]:
         """Root mean square distance from the centroid, pixels, (n,); NaN where there is no light.
 
-        The mean is over the light of the object point, which is even over the entrance pupil as the object point sees
-        it. `realistic export --as spot` reports the same number.
+        The mean is over the object point's light, which fills the entrance pupil evenly as seen from that point.
+        `realistic export --as spot` reports the same number.
         """
         square = (self.offset**2).sum(axis=-1)
         with np.errstate(invalid="ignore"):
@@ -55,15 +55,16 @@ class Spots:
 def spots(camera: Camera, field: FieldLike, *, distance: float | None = None, side: int = SIDE) -> Spots:
     """Returns the spots of object points that are imaged to some film points.
 
-    An object point is the point where the mean of a film point's rays meets a plane of the scene. A search finds, for
-    each lens sample, the film point whose ray meets the object point, and the light that this ray carries from it.
+    An object point is the point where the mean of a film point's rays meets a plane of the scene. For each lens sample,
+    a search finds the film point whose ray meets the object point, and the light that this ray carries from the object
+    point.
 
     Parameters
     ----------
     field : Field or array_like (n, 2)
         Field points.
     distance : float, optional
-        The plane of the scene, as `focus_distance`; default the plane in focus.
+        Distance of the plane in the scene, given like `focus_distance`; default the plane in focus.
     side : int
         Square root of the number of lens samples per point, on radii of the pupil; even. The default gives the RMS to
         three digits.
@@ -88,7 +89,8 @@ def _spots(camera: Camera, points: NDArray[np.float64], distance: float | None, 
         bundles = bundles_of(plain, points, lens_uv)
         light = bundles.weight * share
         target = _mean(bundles.points(plane), light)
-        # Two Newton steps: the first is right to first order in the size of the spot, and gives the second its start.
+        # Two Newton steps: the first is accurate to first order in the size of the spot, and is the start of the
+        # second.
         film = np.broadcast_to(points[:, None], (*lens_uv.shape[:2], 2))
         for _ in range(2):
             bundles, per_pixel, passed = _steps(plain, film, lens_uv, plane)
@@ -99,8 +101,8 @@ def _spots(camera: Camera, points: NDArray[np.float64], distance: float | None, 
             y = (ax * missed[..., 1] - ay * missed[..., 0]) / area
             moved = np.where(passed[..., None], film + np.stack([x, y], axis=-1), points[:, None])
             film = np.clip(moved, 0, camera.resolution)
-    # A ray has the same étendue on both sides of the lens: the smaller the area of the plane that a pixel sees along
-    # it, the more light of a point of the plane goes this way.
+    # A ray has the same étendue on both sides of the lens. So the smaller the area of the plane that a pixel sees along
+    # a ray, the more light from a point of the plane follows this ray.
     light = np.where(passed, bundles.weight * share, 0.0) / np.abs(area)
     if np.isfinite(plane):
         light *= np.hypot(1.0, np.hypot(bundles.slope[..., 0], bundles.slope[..., 1]))
@@ -112,7 +114,7 @@ def _steps(
     plain: Camera, film: NDArray[np.float64], lens_uv: NDArray[np.float32], plane: float
 ) -> tuple[Bundles, list[NDArray[np.float64]], NDArray[np.bool_]]:
     """Returns the rays of film points (n, m, 2), their shifts in the plane per pixel to the right and per pixel down,
-    and a mask of those that pass together with their neighbours. The others get unit shifts."""
+    and a mask of the rays that pass together with their neighbours. The other rays get unit shifts."""
     bundles = bundles_of(plain, film, lens_uv)
     steps, passed = [], bundles.weight > 0
     for axis in range(2):
@@ -127,7 +129,7 @@ def _steps(
 
 
 def _mean(values: NDArray[np.float64], light: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Returns the mean over the lens samples weighted by light, (n, 1, 2) of (n, m, 2); NaN without light."""
+    """Returns the mean, (n, 1, 2), of values (n, m, 2) over the lens samples, weighted by light; NaN without light."""
     with np.errstate(invalid="ignore"):
         mean: NDArray[np.float64] = np.einsum("nmk,nm->nk", values, light) / light.sum(axis=1)[:, None]
     return mean[:, None]
@@ -150,20 +152,20 @@ def mtf(
     frequencies : float or array_like (k,)
         Line pairs per mm on the film. Above about side / (width of the spot in mm) the samples are too few.
     distance : float, optional
-        The plane of the scene, as `focus_distance`; default the plane in focus.
+        Distance of the plane in the scene, given like `focus_distance`; default the plane in focus.
     side : int
         Square root of the number of lens samples per film point; even.
 
     Returns
     -------
     ndarray (n, 2, k)
-        Modulation, 1 at frequency 0. First tangential: the pattern varies along the line from the picture's middle;
-        then sagittal: it varies across that line.
+        Modulation, 1 at frequency 0. The first row is tangential, for a pattern that varies along the line from the
+        picture's middle; the second is sagittal, for a pattern that varies across that line.
 
     Warns
     -----
     realistic.CameraWarning
-        If it exceeds `diffraction_mtf`, which no lens of this f-number does.
+        If the geometric MTF exceeds `diffraction_mtf`, which no lens of this f-number can exceed.
     """
     image_xy, shape = film_points(camera, field, distance)
     lines = np.asarray(frequencies, np.float64)
@@ -175,11 +177,11 @@ def mtf(
 def transfer_of(
     camera: Camera, image_xy: NDArray[np.float64], found: Spots, lines: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Returns the geometric MTF of the spots of film points (n, 2) at frequencies (k,), (n, 2, k)."""
+    """Returns the geometric MTF, (n, 2, k), of the spots of film points (n, 2) at frequencies (k,)."""
     mm = found.offset * (camera.film_size_mm[0] / camera.resolution[0])
     radial = image_xy - np.array(camera.resolution) / 2
     length = np.hypot(*radial.T)
-    # In the middle both are the same except for sampling error; any direction serves.
+    # In the picture's middle, both curves are the same except for sampling error, so any direction will do.
     radial = np.where(length[:, None] > 0, radial / np.maximum(length, 1e-300)[:, None], [0.0, 1.0])
     across = np.stack([-radial[:, 1], radial[:, 0]], axis=-1)
     along = np.stack([(mm * direction[:, None]).sum(axis=2) for direction in (radial, across)], axis=1)

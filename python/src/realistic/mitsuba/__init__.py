@@ -1,4 +1,4 @@
-"""Sensors for Mitsuba 3: `import realistic.mitsuba` registers `realistic` and `thick` (docs/mitsuba.md).
+"""Sensors for Mitsuba 3: `import realistic.mitsuba` registers the sensors `realistic` and `thick` (docs/mitsuba.md).
 
 Importing registers them for Mitsuba's current variant, and setting another variant registers them again.
 
@@ -42,7 +42,8 @@ def register() -> None:
 
 
 def _check_llvm() -> None:
-    """Refuses a libLLVM that ends the process at the first minimum of two numbers, which Mitsuba computes often."""
+    """Refuses a libLLVM that aborts the process when code computes a minimum of two numbers, as Mitsuba's often
+    does."""
     version: tuple[int, ...] = dr.detail.llvm_version()
     if platform.machine().lower() in ("x86_64", "amd64") and version[0] < 17:
         raise ImportError(

@@ -1,16 +1,16 @@
-"""The choice of the wavelengths that share one ray through a lens with dispersion.
+"""Chooses the wavelengths that share one ray through a lens with dispersion.
 
 A path of Mitsuba has four wavelengths and one ray. A ray is traced at each of the four. Two wavelengths go together if
-the lens puts their rays on points of the plane in focus that lie less than a tolerance apart, measured in pixels there.
-One of the four, the hero (A. Wilkie et al., "Hero Wavelength Spectral Sampling", 2014), gives the path its ray, and the
-path carries the wavelengths that go together with the hero. Let q_h be the probability of hero h, and A_hk 1 if h and k
-go together (k goes with itself), else 0. Wavelength k then has the factor
+their rays meet the plane in focus at points less than a tolerance apart, measured in pixels on that plane. One of the
+four, the hero (A. Wilkie et al., "Hero Wavelength Spectral Sampling", 2014), gives the path its ray, and the path
+carries the wavelengths that go together with the hero. Let q_h be the probability of hero h, and A_hk 1 if h and k go
+together (k goes with itself), else 0. Wavelength k then has the factor
 
     A_hk / sum over h' of q_h' A_h'k,
 
-the balance heuristic: its mean over the heroes is 1 for all q and A. The probability affects the noise alone. It is
-proportional to the amount that a path of hero h would carry in the film's channels if all heroes were equally probable,
-which gives the least variance if the wavelengths fall into groups.
+the balance heuristic: its mean over the heroes is 1 for all q and A. The probabilities affect only the noise. Here q_h
+is proportional to the amount that a path of hero h would carry in the film's channels if all heroes were equally
+probable. This choice gives the least variance if the wavelengths fall into groups.
 """
 
 from __future__ import annotations
@@ -30,17 +30,19 @@ WAVELENGTHS = (380.0, 780.0)
 # hero carries.
 _LEAST = 0.02
 
-# Weights of the squares of X, Y and Z in the amount that a path carries: more on Y lowers the noise of luminance and
-# raises that of colour, which is the higher of the two even without dispersion.
+# Weights of the squares of X, Y and Z in the amount that a path carries. A larger weight of Y lowers the noise of
+# luminance and raises the noise of colour. Even without dispersion, the noise of colour is the higher one.
 _CHANNELS = (1.0, 20.0, 1.0)
 
-# Number of steps of the wavelengths' random number, each with a new choice of the hero. In a step the wavelengths
-# change by one or two nanometres, and 15 of the number's 23 bits remain for the choice.
+# Number of equal steps of the random number from which the wavelengths are sampled; the position within a step chooses
+# the hero. Within a step, the wavelengths change by one or two nanometres, and 15 of the number's 23 bits remain for
+# the choice.
 _STEPS = 256.0
 
 
 def amounts(spectral: bool, wavelengths: Any, response: Any) -> list[list[Any]]:
-    """Returns each wavelength's contribution to each film channel, up to a factor; on spectral film, the response."""
+    """Returns each wavelength's contribution to each film channel, up to a constant factor; for spectral film, the
+    response at each wavelength."""
     if spectral:
         return [[response[k]] for k in range(len(wavelengths))]
     found = []
@@ -77,13 +79,13 @@ def carried(
     number: Any,
     tolerance: float,
 ) -> tuple[list[Any], list[Any]]:
-    """Chooses the hero of a path; returns it as masks, one of them true, and each wavelength's factor, 0 if not
-    carried.
+    """Chooses the hero of a path; returns a mask for each wavelength, true for the hero alone, and each wavelength's
+    factor, which is 0 if the wavelength is not carried.
 
     Parameters
     ----------
     weights : weights of the rays; 0 for a blocked ray, which goes together with no other.
-    places, known : as from `landing`; where they are unknown no two wavelengths go together.
+    positions, known : as from `landing`; where they are unknown, no two wavelengths go together.
     each : as from `amounts`.
     number : the random number in [0, 1) from which the wavelengths were sampled.
     tolerance : pixels; at 0 each wavelength goes alone.
@@ -109,7 +111,7 @@ def carried(
         parts = [sum(together[h, k] * even[k] * each[k][channel] for k in every) for channel in range(len(each[0]))]
         sizes.append(dr.sqrt(sum(dr.square(part) for part in parts)))
     most = dr.maximum(dr.maximum(sizes[0], sizes[1]), dr.maximum(sizes[2], sizes[3]))
-    # If the film sees none of the four, any of them serves.
+    # If the film sees none of the four, any of them will do.
     sizes = [dr.select(passes[h], dr.maximum(sizes[h], _LEAST * most) + 1e-12, 0.0) for h in every]
     total = sum(sizes)
     share = 1 / dr.select(total > 0, total, 1)
@@ -120,7 +122,7 @@ def carried(
     left = fine - dr.floor(fine)
     heroes: list[Any] = []
     for h in every:
-        # The last ray that passes leaves only rounding error.
+        # After the last ray that passes, only rounding error is left.
         left = left - probability[h]
         heroes.append(passes[h] & (left < 1e-6))
         left = dr.select(heroes[h], 4.0, left)

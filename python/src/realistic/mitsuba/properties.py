@@ -22,7 +22,7 @@ OWN = ("differentials", "dispersion_tolerance")
 """Properties of the sensor that are not parameters of the camera."""
 
 _NAMES = {name: name for name in NAMES - _OF_MITSUBA - _PROJECTIONS} | {"near_clip": "hither", "far_clip": "yon"}
-"""The parameter of each property."""
+"""The camera's parameter for each property."""
 
 
 def parameters_of(props: Any, model: str | None) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -78,7 +78,8 @@ def _unknown(key: str) -> str:
 
 def _value(name: str, value: Any) -> Any:
     if name in ("lens_file", "glass_catalog") and isinstance(value, str):
-        # Found beside the scene's file, like other files of the scene. Otherwise unchanged: a name of the catalogue.
+        # A file is found beside the scene's file, like other files of the scene. A name of the catalogue stays
+        # unchanged.
         return str(mi.file_resolver().resolve(value))
     if name == "zoom" and isinstance(value, (int, float)) and not isinstance(value, bool):
         return repr(value)

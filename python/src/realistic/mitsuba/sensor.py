@@ -39,7 +39,7 @@ _MIRROR = np.diag([-1.0, 1.0, 1.0, 1.0])
 def sensor_class(model: str | None) -> type:
     """Returns the class of the sensors of Mitsuba's current variant; `model` as in `parameters_of`."""
     scalar = mi.variant().startswith("scalar")
-    # Accepts mi.Float and the numbers of Python and NumPy, and keeps the digits of double precision.
+    # This type accepts mi.Float and the numbers of Python and NumPy, and keeps double precision.
     number = dr.scalar.ArrayXf64 if scalar else mi.Float64
 
     class RealisticSensor(mi.Sensor):  # type: ignore[misc]
@@ -154,8 +154,8 @@ def sensor_class(model: str | None) -> type:
             for chosen, ray in zip(heroes[1:], rays[1:]):
                 hero = [dr.select(chosen, other, own) for other, own in zip(ray, hero)]
             for neighbour in neighbours:
-                # The step to a neighbour is that of the first wavelength; the others' differ by the lens's lateral
-                # colour, about a thousandth.
+                # The step to a neighbour is that at the first wavelength. At the other wavelengths it differs by the
+                # lens's lateral colour, about a thousandth.
                 hero += [here + (b - a) for here, a, b in zip(hero[:6], rays[0][:6], neighbour[:6])] + [neighbour[6]]
             weight = mi.UnpolarizedSpectrum(0.0)
             for k, factor in enumerate(factors):
@@ -163,7 +163,8 @@ def sensor_class(model: str | None) -> type:
             return hero, response * weight
 
         def _point_in_focus(self, ray: Any) -> Any:
-            """Returns the point that represents a ray: on the plane in focus, or its direction if that plane is far."""
+            """Returns the point that represents a ray: its point on the plane in focus, divided by the plane's distance
+            from the front vertex; for a plane at infinity, the ray's direction, scaled to z = 1."""
             origin, direction = mi.Vector3f(*ray[:3]), mi.Vector3f(*ray[3:6])
             forward = dr.maximum(direction.z, 0.1)
             return self.nearness * origin + direction * ((1 - self.nearness * origin.z) / forward)
@@ -191,7 +192,8 @@ def sensor_class(model: str | None) -> type:
             return columns
 
         def sample_direction(self, it: Any, sample: Any, active: Any = True) -> Any:
-            """Samples a direction from a scene point toward the lens; returns it, and importance over density."""
+            """Samples a direction from a scene point toward the lens; returns the direction, and the importance divided
+            by the density."""
             inside = self.to_world.inverse() @ mi.Point3f(it.p)
             given = [inside.x, inside.y, inside.z, sample.x, sample.y, self._fraction(it.time)]
             columns: Any = (
@@ -208,7 +210,7 @@ def sensor_class(model: str | None) -> type:
             forward = mi.Vector3f(0, 0, 1)
             front = [dr.select(seen, column, 0.0) for column in front]
             toward = dr.select(seen, mi.Vector3f(*front[3:]), -forward)
-            # Objects nearer to the lens than the rays' start hide nothing.
+            # Objects between the lens and the points where rays start do not occlude.
             found.p = self.to_world @ mi.Point3f(mi.Vector3f(*front[:3]) - self.near * toward)
             found.n = mi.Normal3f(self.to_world @ forward)
             found.d = self.to_world @ toward
@@ -216,8 +218,8 @@ def sensor_class(model: str | None) -> type:
             found.uv = mi.Point2f(dr.select(seen, u, 0.0), dr.select(seen, v, 0.0))
             found.time = it.time
             found.pdf = dr.select(seen, density, 0.0)
-            # Mitsuba divides by the pixels of the crop window; the camera's importance is per pixel of the whole
-            # picture.
+            # Mitsuba divides by the number of pixels of the crop window; the camera's importance is per pixel of the
+            # whole picture.
             pixels = float(whole.x) * float(whole.y) / (float(size.x) * float(size.y))
             return found, mi.Spectrum(dr.select(seen, pixels * importance / dr.select(seen, density, 1.0), 0.0))
 
@@ -293,7 +295,7 @@ def _single(name: str, value: Any) -> float:
 
 
 def _lens_of(camera: Camera, **changes: Any) -> Lens:
-    """Returns a camera's lens with some parameters changed; if its groups move to focus, as focused at infinity."""
+    """Returns a camera's lens with some parameters changed; if it focuses by moving groups, as focused at infinity."""
     given = {**camera.parameters, **changes}
     names = ("lens_file", "lens_text", "glass_catalog", "zoom", "wavelength", "aperture_diameter", "fnumber")
     # The camera has given these warnings already.
@@ -311,7 +313,8 @@ def _zooms(camera: Camera) -> bool:
 
 
 def _nearness(camera: Camera) -> float:
-    """Returns the inverse distance from front vertex to plane in focus, per world unit; 0 if nothing is in focus."""
+    """Returns the inverse of the distance from the front vertex to the plane in focus, per world unit; 0 if nothing is
+    in focus."""
     distance = camera.focus_distance_mm - camera.film_distance + _lens_of(camera).rear_vertex_mm
     return camera.parameters.get("mm_per_unit", 1.0) / distance if distance > 0 else 0.0
 

@@ -1,4 +1,5 @@
-"""Rays of a camera, and directions toward it, in Mitsuba's arrays without a copy, or singly for its scalar variants."""
+"""Traces rays of a camera, and directions toward it, in Mitsuba's arrays without a copy; for scalar variants, one by
+one."""
 
 from __future__ import annotations
 
@@ -40,17 +41,19 @@ AIM = 10
 # Fewer rays than this are not worth another thread.
 _SHARE = 16384
 
-# Parameters that block rays of a film point that gets light: the rays that replace blocked ones omit them.
+# Parameters that may block rays of a film point that gets light. The camera that traces the replacements of blocked
+# rays omits these parameters.
 _BLOCKING = ("pupil", "shutter", "shutter_ramp", "shutter_slit", "ghosts")
 
 
 class Tracer:
-    """Traces a camera's rays. A blocked ray has weight 0 and the direction in which its film point sees.
+    """Traces a camera's rays. A blocked ray has weight 0 and the direction in which its film point looks.
 
-    Some outputs of a renderer are not multiplied by the weight of a ray, such as the depth and the derivatives of
-    texture coordinates of Mitsuba's integrator `aov`. They need a direction and differentials of blocked rays, too. The
-    ray through the middle of the film point's pupil replaces a blocked ray. A film point that gets no light at all has
-    no such ray; there the replacement is the ray of a pinhole at the front vertex, with the focal length of the lens.
+    Some outputs of a renderer, such as the depth and the derivatives of texture coordinates of Mitsuba's integrator
+    `aov`, are not multiplied by the weight of a ray. Such outputs need a direction and differentials even for blocked
+    rays. So the ray through the middle of the film point's pupil replaces a blocked ray. A film point that gets no
+    light at all has no such ray; there the replacement is the ray of a pinhole at the front vertex, with the focal
+    length of the lens.
     """
 
     def __init__(self, camera: Camera) -> None:
@@ -65,9 +68,9 @@ class Tracer:
     def trace(self, samples: Sequence[NDArray[Any]], rays: Sequence[NDArray[Any]], threads: int) -> None:
         """Writes the rays of samples, on some threads.
 
-        All are contiguous columns (n,) of float32. `samples` are image x, image y, lens u, lens v, time and, for rays
-        at given wavelengths, the wavelength in nm; `rays` are the columns of `RAY`, or of `RAY`, `RIGHT` and `DOWN`. A
-        blocked neighbour has weight 0 and the ray's own origin and direction.
+        All arrays are contiguous columns (n,) of float32. `samples` are image x, image y, lens u, lens v, time and, for
+        rays at given wavelengths, the wavelength in nm; `rays` are the columns of `RAY`, or of `RAY`, `RIGHT` and
+        `DOWN`. A blocked neighbour has weight 0 and the ray's own origin and direction.
         """
         _in_parts(_call, self.camera, samples, rays, threads)
         blocked = np.flatnonzero(rays[6] == 0)
@@ -109,8 +112,8 @@ class Tracer:
 def aim(camera: Camera, points: Sequence[NDArray[Any]], found: Sequence[NDArray[Any]], threads: int) -> None:
     """Writes the directions from scene points toward the lens, on some threads.
 
-    All are contiguous columns (n,) of float32. `points` are x, y, z, u, v and time, as a fraction of the shutter's
-    interval; `found` are the columns of `AIM`.
+    All arrays are contiguous columns (n,) of float32. `points` are x, y, z, u, v and the time as a fraction of the
+    shutter's interval; `found` are the columns of `AIM`.
     """
     _in_parts(_call_aim, camera, points, found, threads)
 
@@ -122,7 +125,7 @@ def _in_parts(
     taken: Sequence[NDArray[Any]],
     threads: int,
 ) -> None:
-    """Splits a call of columns into parts, each on its own thread."""
+    """Splits a call for columns into parts and runs each part on its own thread."""
     n = len(given[0])
     inputs, outputs = ([column.ctypes.data for column in columns] for columns in (given, taken))
     pointer = camera._live().pointer
