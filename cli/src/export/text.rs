@@ -13,7 +13,7 @@ pub struct LensData<'a> {
     pub name: &'a str,
     /// Focal length, mm.
     pub focal_length: f64,
-    /// f-number: focal length over entrance pupil.
+    /// f-number: focal length over the diameter of the axial beam.
     pub fnumber: f64,
     /// f-number over the square root of the transmission on the axis, if a coating is given.
     pub tnumber: Option<f64>,
@@ -27,19 +27,19 @@ pub struct LensData<'a> {
     pub mm_per_unit: f64,
 }
 
-/// Exposure of a camera, as `UsdGeomCamera` has it: its linear scale is responsivity · time · iso / 100 · 2^exposure /
-/// f-stop².
+/// Exposure of a camera, as `UsdGeomCamera` defines it: its linear scale is responsivity · time · iso / 100 ·
+/// 2^exposure / f-stop².
 #[derive(Clone, Copy, Debug)]
 pub struct Exposure {
     /// Sensitivity.
     pub iso: f64,
-    /// Time, s.
+    /// Exposure time, s.
     pub time: f64,
     /// Compensation, stops.
     pub stops: f64,
     /// Response to light.
     pub responsivity: f64,
-    /// f-number of a lens without loss that lights the middle of the film as much as this one, at this focus.
+    /// f-number of a lossless lens that lights the middle of the film as much as this lens does at this focus.
     pub fstop: f64,
 }
 

@@ -21,7 +21,7 @@ pub const NO_LIMIT: EggCoefficients = [0.0, 0.0, 0.0, 1e6, 0.0, 0.0, 1e6, 0.0, 0
 const STOPS: [f64; 8] = [0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85, 1.0];
 /// Number of stops from which a third term is fitted; with fewer it would diverge beyond them.
 const STEADY: usize = 6;
-/// Directions over half a turn in which the image is traced, less one.
+/// Number of directions over half a turn in which the image is traced, minus one.
 const DIRECTIONS: usize = 12;
 /// Share by which the image is finally widened, to cover images between the fields of the table.
 const MARGIN: f64 = 0.002;
