@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 static QUIET: AtomicBool = AtomicBool::new(false);
 
-/// Suppresses everything but errors from now on.
+/// Suppresses all later messages except errors.
 pub fn be_quiet() {
     QUIET.store(true, Ordering::Relaxed);
 }
@@ -31,7 +31,7 @@ pub fn note(message: &str) {
     }
 }
 
-/// Prints a report on the work done, on the stream of [`answer`], unless `--quiet`.
+/// Prints a report on the work done to the stream that [`answer`] uses, unless `--quiet` is given.
 ///
 /// # Errors
 /// Standard output cannot be written.

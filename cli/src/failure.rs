@@ -9,14 +9,14 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
-/// A reason for which a command stops.
+/// The reason why a command stops.
 #[derive(Debug)]
 pub enum Failure {
     /// The command line is invalid: exit code 2.
     Usage(String),
     /// The command line is valid, but the command failed: exit code 1.
     Other(String),
-    /// The reader of standard output closed it, which is not our error.
+    /// The program that reads standard output closed it, which is not an error of this program.
     Closed,
 }
 
@@ -39,7 +39,8 @@ impl Failure {
     }
 }
 
-/// Converts errors of writes to standard output; files have their own message, with the path.
+/// Converts errors of writes to standard output. Errors of writes to a file have their own message, which names the
+/// path.
 impl From<io::Error> for Failure {
     fn from(error: io::Error) -> Self {
         match error.kind() {
@@ -55,8 +56,8 @@ impl From<ParameterError> for Failure {
     }
 }
 
-/// Classifies camera errors like the C ABI's status: errors that depend on a lens file or on a lens's
-/// focus range are not wrong use.
+/// Classifies camera errors as the C ABI's status does: errors that depend on a lens file or on a lens's focus range
+/// are not wrong use.
 impl From<CameraError> for Failure {
     fn from(error: CameraError) -> Self {
         let message = error.to_string();

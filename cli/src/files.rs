@@ -1,5 +1,5 @@
-//! Reads regular files, up to a limit. Writes a file whole or not at all: on a full disk the old file remains, and no
-//! part of the new one. Missing folders are made, and `-` is standard output.
+//! Reads regular files up to a size limit, and writes a file whole or not at all: on a full disk, the old file
+//! remains, and no part of the new file. Missing folders are made, and `-` is standard output.
 
 use crate::failure::Failure;
 use std::fs::{File, OpenOptions};
@@ -11,7 +11,7 @@ pub fn is_stdout(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
-/// Opens a regular file: a pipe could block, and a device may have no end.
+/// Opens a file and refuses any that is not regular: a pipe could block, and a device may have no end.
 ///
 /// # Errors
 /// The system's error, or a file that is not regular.
@@ -37,7 +37,7 @@ pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Makes the folder of an output file, before the work is done.
+/// Makes the folder of an output file. Commands call this before their work begins.
 ///
 /// # Errors
 /// The folder cannot be made; the message names it.
@@ -64,11 +64,11 @@ pub fn make_folder(folder: &Path) -> Result<(), Failure> {
     })
 }
 
-/// Writes a file: first under another name beside it, which is then renamed. A path that is not a regular file, such as
-/// a pipe or a device, is written directly; a symbolic link remains. A missing folder is made.
+/// Writes a file under a temporary name in the same folder, then renames it. A path that is not a regular file, such
+/// as a pipe or a device, is written directly; a symbolic link remains a link. A missing folder is made.
 ///
 /// # Errors
-/// The system's error. An existing file is unchanged, and nothing else is left.
+/// The system's error. In that case, an existing file is unchanged, and no temporary file remains.
 pub fn save(path: &Path, bytes: &[u8]) -> io::Result<()> {
     if is_stdout(path) {
         let mut stdout = io::stdout().lock();

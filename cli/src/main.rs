@@ -88,7 +88,7 @@ enum Command {
     },
 }
 
-/// Returns the command line. Flags without a command are those of `render`, and its help lists
+/// Returns the command line. Flags without a command are those of `render`, and the help of the whole program lists
 /// them.
 fn command() -> clap::Command {
     let command = with_scene_defaults(Cli::command())
@@ -100,7 +100,7 @@ fn command() -> clap::Command {
 /// Parses the command line.
 ///
 /// # Errors
-/// A wrong use, or a request for help: clap's own text, with additions.
+/// Wrong use, or a request for help, with clap's own text and additions.
 fn read(words: &[OsString]) -> Result<Cli, clap::Error> {
     let read = command().try_get_matches_from(words).and_then(|matches| Cli::from_arg_matches(&matches));
     read.map_err(|error| {
@@ -115,7 +115,7 @@ fn read(words: &[OsString]) -> Result<Cli, clap::Error> {
             ),
             (ErrorKind::InvalidSubcommand, _) if is_lens(&error) => {
                 let text = error.render().to_string();
-                // The new text begins with the same word.
+                // `raw` writes this prefix again.
                 let text = text.strip_prefix("error: ").unwrap_or(&text);
                 let tip = "  tip: a lens follows a command, as in `realistic render LENS`";
                 clap::Error::raw(ErrorKind::InvalidSubcommand, format!("{text}\n{tip}\n"))

@@ -40,7 +40,7 @@ pub fn corrected(error: Error, mut all: Command, words: &[OsString]) -> Error {
     suggestion
 }
 
-/// Returns the flag of a command with the meaning of the given one, or nearly its spelling.
+/// Returns the flag of a command that has the meaning of the given flag, or almost the same spelling.
 fn intended_flag(given: &str, command: &Command) -> Option<String> {
     let shown = command.get_arguments().filter(|arg| !arg.is_hide_set());
     let names = |arg: &Arg| {

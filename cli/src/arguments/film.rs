@@ -41,7 +41,7 @@ pub struct OwnFilm {
 enum Reason {
     /// The lens's file states this full field of view, degrees.
     Stated(f64),
-    /// No light gets farther from the axis.
+    /// The film fills the image circle, outside of which there is no light.
     Circle,
     /// The image is larger than this film.
     Default,
@@ -62,7 +62,7 @@ impl Display for OwnFilm {
 }
 
 impl OwnFilm {
-    /// Describes the default film, the result of [`OwnFilm::of`].
+    /// Description of the default film, the result of [`OwnFilm::of`], in words.
     pub const IN_WORDS: &str =
         "that of the lens's own image, by the field that its file states or by its image circle, else 35";
 
@@ -94,8 +94,8 @@ impl OwnFilm {
             let lit = field.lit_radius(half.min(8.0 * focal_length))?;
             return Some(if lit < half { Self::rounded(2.0 * lit, Reason::Circle) } else { Self::DEFAULT });
         };
-        // No image lies farther out than three times f tan of the half field, taken at 70 degrees at most, or
-        // three times f times the half field.
+        // No image point lies farther out than three times f tan θ or three times f θ, whichever is larger, where θ
+        // is half the field; in the tangent, θ is at most 1.2 radians.
         let half_angle = 0.5 * stated.to_radians();
         let farthest = 3.0 * focal_length * half_angle.max(half_angle.min(1.2).tan());
         let lit = field.lit_radius(farthest)?;
@@ -113,7 +113,7 @@ impl OwnFilm {
         Some(Self::rounded(2.0 * inside, Reason::Stated(stated)))
     }
 
-    /// Rounds down to three digits: the corner still has light, and the user can type the number.
+    /// Rounds down to three digits, so that the corner still has light and the user can type the number.
     fn rounded(diagonal: f64, reason: Reason) -> Self {
         if !(diagonal > 0.0) {
             return Self::DEFAULT;
@@ -137,7 +137,8 @@ mod tests {
 
     #[test]
     fn a_lens_has_the_film_that_its_image_fills() {
-        // The formats of these designs, up to distortion: 2 f tan of half the field, and 24 x 36 mm twice.
+        // Diagonals of the formats of these designs, up to distortion: 2 f tan of half the field for the phone, that
+        // of 24 x 36 mm for the others.
         for (name, format) in [("phone.4mm", 6.1), ("planar.50mm", 43.3), ("zoom.24-70mm", 43.3)] {
             let film = of(name);
             assert!(

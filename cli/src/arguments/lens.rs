@@ -51,7 +51,7 @@ impl clap::Args for LensChoice {
         CameraChoice::augment_args(command).mut_args(|arg| {
             match arg.get_id().as_str() {
                 id if unused(id) => arg.hide(true),
-                // A camera without a lens takes the default; these commands require a lens.
+                // Without a lens, a camera uses the default one; these commands require a lens.
                 "lens_file" => {
                     let help = Parameters::find("lens_file").map_or("", |row| row.help);
                     arg.long_help(format!("{}; no default", capitalised(help)))
@@ -122,7 +122,7 @@ impl CameraChoice {
     /// Returns all parameters given, including the lens.
     ///
     /// # Errors
-    /// Two lenses.
+    /// Two lenses are given.
     pub fn parameters(&self) -> Result<Parameters, Failure> {
         let mut parameters = self.flags.parameters().clone();
         if let Some(lens) = &self.lens {
@@ -139,7 +139,7 @@ impl CameraChoice {
     /// Returns [`CameraChoice::parameters`] for a command that requires a lens.
     ///
     /// # Errors
-    /// Two lenses, or none.
+    /// Two lenses are given, or none.
     pub fn with_a_lens(&self) -> Result<Parameters, Failure> {
         let parameters = self.parameters()?;
         match parameters.lens_file {
@@ -177,7 +177,8 @@ pub fn host(parameters: &mut Parameters, raster: Raster) -> Result<Host, Failure
     Ok(host)
 }
 
-/// Sizes the film to the lens's own image if no size is given, and notes it if the library's default differs.
+/// Sizes the film to the lens's own image if no size is given, and prints a note if this size is not the library's
+/// default.
 pub fn size_film(parameters: &mut Parameters, host: &Host) {
     let has_film = |model| Parameters::find("film_diagonal").is_some_and(|row| row.models.contains(&model));
     if parameters.film_diagonal.is_some() || !has_film(parameters.model.unwrap_or_default()) {
@@ -214,7 +215,7 @@ impl LensChoice {
         self.0.parameters().is_ok_and(|parameters| parameters.lens_file.as_deref() == Some(PIPED))
     }
 
-    /// Takes the positional word for another use if a flag gives the lens.
+    /// Removes the positional word from the choice and returns it for another use, if a flag gives the lens.
     pub fn word_beside_a_flag(&mut self) -> Option<String> {
         self.0.flags.parameters().lens_file.as_ref()?;
         self.0.lens.take()
@@ -248,14 +249,14 @@ impl LensChoice {
 
     /// Finds the lens and accepts the parameters of the exposure, too.
     ///
-    /// # Errors
+    /// As for [`open_lens`].
     /// As [`open_lens`].
     pub fn open_with_exposure(&self) -> Result<OpenedLens, Failure> {
         let of_exposure = ["iso", "exposure_time", "exposure", "responsivity"];
         self.open_with(&[&LENS_PARAMETERS[..], &of_exposure].concat())
     }
 
-    /// Finds the lens and leaves it as its file describes it.
+    /// Finds the lens as its file describes it, without any other setting.
     ///
     /// # Errors
     /// As for [`open_lens`].
@@ -340,7 +341,7 @@ impl OpenedLens {
         }
     }
 
-    /// Returns the lens and its film distance, mm, focused instead on a plane `distance` mm in front of the film.
+    /// Returns the lens focused on a plane `distance` mm in front of the film instead, and its film distance, mm.
     ///
     /// # Errors
     /// As for [`open_lens`] and [`film_distance`].
@@ -352,7 +353,7 @@ impl OpenedLens {
         Ok((lens, film_distance))
     }
 
-    /// Returns the film's diagonal, mm: the one given, or that of the lens's own image, which is noted.
+    /// Returns the film's diagonal, mm: the given one, or else the one that [`size_film`] chooses.
     pub fn film_diagonal(&self) -> f64 {
         let mut parameters = self.parameters.clone();
         size_film(&mut parameters, &self.host);

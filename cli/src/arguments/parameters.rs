@@ -43,7 +43,7 @@ impl ParameterFlags {
         self.given.iter().map(|(name, value)| (*name, value.as_str()))
     }
 
-    /// Takes all flags of a command, each parameter once.
+    /// Reads all flags of a command, each parameter at most once.
     fn read(matches: &ArgMatches) -> Result<Self, String> {
         let mut flags = Self::default();
         let long = matches.get_many::<String>(PARAM).into_iter().flatten();
@@ -76,8 +76,8 @@ fn name_and_value(text: &str) -> Result<(&str, &str), String> {
     })
 }
 
-/// Sets a parameter and checks that a number is in its range. Errors about four numbers come later, when
-/// the camera is built.
+/// Sets a parameter and checks that a number is in its range. Parameters of four numbers are checked later, when the
+/// camera is built.
 fn set(parameters: &mut Parameters, name: &str, text: &str) -> Result<(), ParameterError> {
     parameters.set_from_text(name, text)?;
     let row = Parameters::find(name).filter(|row| row.kind == Kind::Float);
@@ -104,7 +104,7 @@ fn flag(row: &'static Parameter) -> Arg {
         .long_help(long_help(row, own.map_or(row.default, |(_, default)| *default)))
         .help_heading(HEADING)
         .action(ArgAction::Append)
-        // A first number may be negative: -1e-3, -inf and -1,1,-1,1 are values, not flags.
+        // A value may begin with a minus sign: -1e-3, -inf and -1,1,-1,1 are values, not flags.
         .allow_hyphen_values(matches!(row.kind, Kind::Float | Kind::Four))
         .hide_short_help(!COMMON.contains(&row.name))
 }
@@ -127,7 +127,7 @@ fn short_help(row: &Parameter) -> String {
     capitalised(words) + &unit
 }
 
-/// Returns the table's description with the default in use, in words.
+/// Returns the table's description of a parameter, with this default in words.
 pub(super) fn long_help(row: &Parameter, default: &'static str) -> String {
     capitalised(&Parameter { default, ..*row }.description())
 }

@@ -1,11 +1,11 @@
-//! Parses numbers of flags; an error states the text to write instead.
+//! Parses numeric values of flags; an error states what to write instead.
 
 use crate::image::LARGEST_SIDE;
 use realistic_camera::Parameters;
 use std::fmt::Display;
 use std::str::FromStr;
 
-/// Parses the number of a flag if it is in the range of a parameter.
+/// Parses a number; `None` if it is outside the range of this parameter.
 fn in_range(text: &str, parameter: &str) -> Option<f64> {
     let row = Parameters::find(parameter).expect("a parameter of the table");
     text.parse().ok().and_then(|number| row.check(number).ok())
@@ -43,7 +43,7 @@ where
     }
 }
 
-/// Parses `WxH`, pixels.
+/// Parses a size in pixels, written as `WxH`.
 pub fn size(text: &str) -> Result<[u32; 2], String> {
     let side = |text: &str| {
         let side = text.parse().ok();

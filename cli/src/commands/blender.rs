@@ -24,7 +24,7 @@ pub struct Args {
     dispersion: bool,
 }
 
-/// Largest sensor if none is given, mm.
+/// Diagonal of the largest sensor if none is given, mm.
 const LARGEST: f64 = 52.0;
 const FILM: &str = "Here --film-diagonal is that of the largest sensor, shifts included, 52 mm unless given: film points beyond its \
                     corners stay black. Without --zoom the shader has a zoom lens's whole range, and a parameter for it. Groups \
@@ -44,14 +44,14 @@ fn shader_path(text: &str) -> Result<PathBuf, String> {
 /// Writes the shader and reports its path.
 ///
 /// # Errors
-/// No such lens, one that cannot be a camera of Blender's, or a file that cannot be written.
+/// There is no such lens, it cannot become a camera of Blender, or the file cannot be written.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let opened = args.lens.open_with_transmission()?;
     let prescription = &opened.prescription;
     let parameters = opened.parameters();
     let layout = prescription.positions.as_ref().map(Positions::layout);
     let could_focus = layout.is_some_and(|layout| layout.steps > 1);
-    // Groups focus if the lens file describes how they do.
+    // Groups focus if the lens file describes their movement for focusing.
     let by_groups = parameters.focus_by.map_or(could_focus, |by| by == FocusBy::Group);
     let station_request =
         StationRequest { lens: &opened.lens, stop: opened.stop(), zoom: parameters.zoom.as_ref(), by_groups };

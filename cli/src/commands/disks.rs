@@ -28,7 +28,7 @@ pub struct Args {
 /// Maps a sample (u, v) to a point of the unit disk; `None` rejects the sample.
 type DiskMap = fn(f64, f64) -> Option<[f64; 2]>;
 
-/// The camera's three mappings, and a wrong one, which crowds the middle.
+/// The camera's three mappings, and a wrong mapping, which crowds points in the middle.
 const MAPPINGS: [(&str, DiskMap); 4] = [
     ("concentric", |u, v| DiskMapping::Concentric.map(u, v)),
     ("polar, r = sqrt(u)", |u, v| DiskMapping::Polar.map(u, v)),
@@ -36,11 +36,11 @@ const MAPPINGS: [(&str, DiskMap); 4] = [
     ("wrong: polar, r = u", |u, v| Some([u * (TAU * v).cos(), u * (TAU * v).sin()])),
 ];
 
-/// Strata along u and along v, with one point each.
+/// Number of strata along u and along v; each stratum of the square has one point.
 const STRATA: u32 = 16;
-/// Sets of strata over which the discrepancy is averaged.
+/// Number of sets of strata over which the discrepancy is averaged.
 const SETS: u32 = 32;
-/// Independent points in the test of uniformity.
+/// Number of independent points in the test of uniformity.
 const POINTS: usize = 20_000;
 
 /// Draws the sets of points and measures them.
@@ -84,12 +84,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     Ok(console::answer(&text, Some(&args.out))?)
 }
 
-/// A point with the stratum, column and row, of its sample; `None` for a replacement of a rejected
-/// sample.
+/// A point, and the stratum of its sample as column and row; `None` for a replacement of a rejected sample.
 type DiskPoint = ([f64; 2], Option<[u32; 2]>);
 
-/// Returns one point for each stratum of the square. Samples of the whole square replace a rejected
-/// one, as in a host.
+/// Returns one point for each stratum of the square. As in a host, a rejected sample is replaced by a sample of the
+/// whole square.
 fn stratified(map: DiskMap, rng: &mut impl Rng) -> Vec<DiskPoint> {
     let cells = (0..STRATA * STRATA).map(|cell| [cell % STRATA, cell / STRATA]);
     cells
@@ -116,7 +115,7 @@ fn independent(map: DiskMap, rng: &mut impl Rng) -> Vec<[f64; 2]> {
     (0..POINTS).map(|_| again(map, rng)).collect()
 }
 
-/// Returns the mean discrepancies, RMS and largest, of stratified sets.
+/// Returns the mean RMS discrepancy and the mean largest discrepancy of stratified sets.
 fn discrepancy(map: DiskMap, rng: &mut impl Rng) -> (f64, f64) {
     let sets = (0..SETS).map(|_| {
         let points: Vec<[f64; 2]> = stratified(map, rng).into_iter().map(|(point, _)| point).collect();
@@ -134,8 +133,7 @@ const DISK: [f32; 3] = [0.032, 0.035, 0.042];
 const GREY: Vec3 = Vec3::splat(0.33);
 const TEXT: [f32; 3] = [0.55, 0.56, 0.58];
 
-/// Draws the points in the colours of their strata: rows have hues, and columns go from dark to
-/// bright.
+/// Draws the points in the colours of their strata: the hue shows the row, and columns go from dark to bright.
 fn drawn(points: &[DiskPoint], lines: &[String; 2]) -> Option<SrgbImage> {
     let [width, height] = PANEL.map(f64::from);
     let mut page = Page::on(hex(GROUND), width, height);
@@ -151,7 +149,7 @@ fn drawn(points: &[DiskPoint], lines: &[String; 2]) -> Option<SrgbImage> {
     page.pixels(1.0)
 }
 
-/// Returns the colour of a stratum, shared by blocks of four by four.
+/// Returns the colour of a stratum; strata in a block of four by four share one colour.
 fn colour([column, row]: [u32; 2]) -> Vec3 {
     const HUES: [Vec3; 4] = [
         Vec3::new(0.95, 0.20, 0.09),

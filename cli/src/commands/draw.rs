@@ -26,10 +26,10 @@ pub struct Args {
     out: Option<PathBuf>,
 }
 
-/// Draws the lens and reports the path.
+/// Draws the lens and reports the path of the drawing.
 ///
 /// # Errors
-/// No such lens, or a file that cannot be written.
+/// There is no such lens, or the file cannot be written.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let opened = args.lens.open()?;
     let diagonal = opened.film_diagonal();
@@ -48,7 +48,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     Ok(console::report(&format!("{}\n", out.display()), &out)?)
 }
 
-/// Parses two surfaces of a flag, the one nearer the scene first.
+/// Parses the two surfaces of a flag, and puts the surface nearer the scene first.
 fn pair(text: &str) -> Result<[usize; 2], String> {
     let numbers: Option<Vec<usize>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
     match numbers.as_deref() {
@@ -59,7 +59,7 @@ fn pair(text: &str) -> Result<[usize; 2], String> {
     }
 }
 
-/// Checks that a lens has these surfaces and that they reflect.
+/// Checks that a lens has these surfaces and that both of them reflect.
 fn check_pair(lens: &Lens, pair: [usize; 2]) -> Result<(), Failure> {
     for number in pair {
         let Some(surface) = lens.surfaces.get(number - 1) else {
@@ -90,13 +90,13 @@ fn at_one(args: &Args, opened: &OpenedLens, diagonal: f64) -> Result<Page, Failu
         film_distance,
         film_diagonal: diagonal,
         rays: args.rays,
-        // The flag counts from 1, the library from 0.
+        // The flag counts from 1, and the library counts from 0.
         ghost: args.ghost.map(|pair| pair.map(|surface| surface - 1)),
     };
     Ok(section::draw(lens, &options))
 }
 
-/// Draws a lens with positions at each of them; `None` if the user requests one.
+/// Draws a lens that has positions, at each of them; `None` if the user requests a single one.
 fn at_all_positions(args: &Args, opened: &OpenedLens, diagonal: f64) -> Option<Page> {
     let OpenedLens { prescription, lens, .. } = opened;
     if opened.parameters().zoom.is_some() || opened.is_placed() {
@@ -132,7 +132,7 @@ fn at_all_positions(args: &Args, opened: &OpenedLens, diagonal: f64) -> Option<P
     Some(positions::draw(&panels?, &options))
 }
 
-/// Returns a film distance for a lens that makes no image: it still lets light through to film behind it.
+/// Returns a film distance for a lens that makes no image: the lens still lets light through to a film behind it.
 fn fallback_film_distance(lens: &Lens) -> f64 {
     let rear = lens.rear();
     let room = -2.0 * rear.sagitta_range()[0];

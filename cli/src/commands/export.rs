@@ -127,7 +127,8 @@ fn exposure(given: &Parameters, lens: &Lens, film: Film) -> Result<Option<Exposu
     }))
 }
 
-/// Points along the film's radius: [`RINGS`] for the export itself, [`COARSE`] for the lens focused elsewhere.
+/// Number of points along the film's radius: [`RINGS`] for the export itself, [`COARSE`] for the lens at another
+/// focus.
 const RINGS: u32 = 2049;
 const COARSE: u32 = 65;
 /// Object distances at which breathing is measured, in focal lengths.
@@ -142,7 +143,7 @@ impl From<FieldError> for Failure {
 /// Writes the export and reports on it.
 ///
 /// # Errors
-/// No such lens, a lens that the model cannot fit, or a file that cannot be written.
+/// There is no such lens, the model cannot fit the lens, or a file cannot be written.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let format = args.format;
     let out = out(args)?;
@@ -152,7 +153,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         _ => args.lens.open()?,
     };
     if format.is_map() && out.is_some() {
-        // A pixel takes up to six floats in each of four copies: rows, the whole, channels and the file.
+        // Up to six floats per pixel exist in four copies: rows, the whole map, channels and the file.
         check_memory(args.size, 4 * 6 * 4)?;
     }
     let lens = &opened.lens;
@@ -285,7 +286,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Returns the output: a file or standard output; `None` with --json alone.
+/// Returns the output, which is a file or standard output; `None` with --json alone.
 fn out(args: &Args) -> Result<Option<&Path>, Failure> {
     let out = match &args.out {
         Some(out) => Some(out.as_path()),
@@ -314,14 +315,14 @@ fn out(args: &Args) -> Result<Option<&Path>, Failure> {
     Ok(out)
 }
 
-/// Returns the path of a map beside another.
+/// Returns the path of a map in the folder of `out`, with the direction before the ending.
 fn beside(out: &Path, direction: &str) -> PathBuf {
     let ending = out.extension().unwrap_or_default().to_string_lossy();
     out.with_extension(format!("{direction}.{ending}"))
 }
 
-/// Whether all numbers of an export are valid: outside its quoted texts there is no NaN, no infinity and no JSON
-/// `null`.
+/// Whether all numbers of an export are valid, that is, there is no NaN, no infinity and no JSON `null` outside its
+/// quoted texts.
 fn has_numbers_alone(text: &str) -> bool {
     let plain = text.replace("\\\\", "").replace("\\\"", "");
     let words = plain.split('"').step_by(2).flat_map(|part| part.split(|c: char| !c.is_ascii_alphanumeric()));
@@ -337,7 +338,7 @@ fn illumination(lens: &Lens, film: Film, field: &ChiefField) -> Result<Illuminat
     })
 }
 
-/// Writes the file of a model.
+/// Returns the text of a model's file.
 fn text(
     format: ExportFormat,
     data: &LensData<'_>,
@@ -361,7 +362,7 @@ fn text(
     })
 }
 
-/// Measures the lens focused at other distances, if it can focus there.
+/// Measures the lens focused at other distances, as far as it can focus on them.
 fn breathing(
     opened: &OpenedLens,
     focal_length: f64,

@@ -1,4 +1,4 @@
-//! `realistic focus`: the film distance for an object distance or the reverse, and depth of field.
+//! `realistic focus`: the film distance for an object distance or the reverse, and the depth of field.
 
 use crate::arguments::{LensChoice, OpenedLens, positive};
 use crate::console;
@@ -36,7 +36,7 @@ pub struct Args {
 /// Prints the plane in focus.
 ///
 /// # Errors
-/// The lens cannot focus there; the message states its nearest distance.
+/// The lens cannot focus on this plane; the message states the lens's nearest distance.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let opened = args.lens.open()?;
     let lens = &opened.lens;
@@ -92,7 +92,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     Ok(console::answer(&text, args.out.as_deref())?)
 }
 
-/// Circles of confusion per film diagonal, the photographers' convention: 0.03 mm on 24 x 36 mm.
+/// Number of circles of confusion in the film diagonal, by the photographers' convention of 0.03 mm on 24 x 36 mm.
 const PER_DIAGONAL: f64 = 1442.0;
 
 /// The film's diagonal and the circle of confusion, mm.
@@ -102,7 +102,7 @@ struct FilmScale {
     confusion: f64,
 }
 
-/// Returns the conjugates of film at this distance.
+/// Returns the conjugates of a film at this distance.
 fn in_focus(focus: &Focus, film_distance: f64) -> Result<Conjugates, Unfocused> {
     let object_distance = match focus.object_distance(film_distance) {
         Some(distance) => distance,
@@ -118,7 +118,7 @@ fn in_focus(focus: &Focus, film_distance: f64) -> Result<Conjugates, Unfocused> 
 struct FocusAnswer {
     focused: Conjugates,
     by_groups: bool,
-    /// Whether the film lies before the image of infinity, so that nothing is quite sharp.
+    /// Whether the film lies in front of the image of infinity, so that nothing is quite sharp.
     beyond_infinity: bool,
     paraxial: Option<f64>,
     nearest: Conjugates,
@@ -138,8 +138,8 @@ enum Unfocused {
     NoObject { film_distance: f64, infinity: f64, near: f64, nearest: f64 },
 }
 
-/// Returns the first-order film distance for the plane in focus. Two film distances serve a plane; the one behind that
-/// of the nearest plane makes an image larger than the object.
+/// Returns the first-order film distance for the plane in focus. There are two such film distances for a plane; the
+/// one behind the film distance of the nearest plane gives an image larger than the object.
 fn paraxial_film_distance(
     lens: &Lens,
     focus: &Focus,
@@ -150,7 +150,7 @@ fn paraxial_film_distance(
     let infinity = optics.back_focal_distance();
     let near_infinity = focus.paraxial_film_distance(focused.object_distance);
     Ok(near_infinity.map(|film| {
-        // Newton's equation: the product of their distances from the focal point is f².
+        // Newton's equation: the product of the conjugates' distances from the focal points is f².
         let is_other = focused.film_distance > nearest.film_distance;
         if is_other { infinity + optics.focal_length.powi(2) / (film - infinity) } else { film }
     }))
@@ -167,7 +167,7 @@ fn depth_of_field(
 }
 
 impl FocusAnswer {
-    /// Makes the answer for a lens that moves as a whole, focused by `focused`.
+    /// Makes the answer for a lens that moves as a whole and is focused at the conjugates `focused`.
     fn of(
         lens: &Lens,
         scale: FilmScale,
@@ -185,12 +185,13 @@ impl FocusAnswer {
             focused,
             nearest,
             scale,
-            // First-order depth of field needs a plane in focus, and here there is none.
+            // First-order depth of field requires a plane in focus, and here there is none.
             depth: depth_of_field(lens, focused, scale.confusion)?.filter(|_| !beyond_infinity),
         })
     }
 
-    /// Makes the answer for a lens whose groups are placed to focus on `focused`, and can focus as near as `nearest`.
+    /// Makes the answer for a lens whose groups are placed to focus at the conjugates `focused` and can focus as near
+    /// as `nearest`.
     fn by_groups(
         opened: &OpenedLens,
         scale: FilmScale,

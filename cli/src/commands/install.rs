@@ -1,7 +1,7 @@
 //! `realistic install`: copies the plugin to the folder that a renderer searches.
 //!
-//! `realistic.so` is always installed. Copies under other names are made only on request, because a renderer that finds
-//! one under the name of a camera of its own loads the copy instead.
+//! `realistic.so` is always installed. Copies under other names are made only on request: if a renderer finds a copy
+//! under the name of one of its own cameras, it loads the copy instead.
 
 use crate::console;
 use crate::failure::Failure;
@@ -39,11 +39,11 @@ pub struct Args {
 /// Copies the plugin and reports the paths.
 ///
 /// # Errors
-/// No plugin, no directory, or a file that must not be replaced.
+/// There is no plugin or no directory, or a file must not be replaced.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let names = names(args)?;
     let source = plugin::find(args.plugin.as_deref())?;
-    // A plugin that does not load here loads in no renderer.
+    // A plugin that this program cannot load cannot be loaded by any renderer.
     Plugin::load(&source)?;
     let mut text = String::new();
     for copy in install(&source, &args.directory, &names, args.force)? {
@@ -54,11 +54,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     Ok(console::report(&text, &args.directory)?)
 }
 
-/// Returns the names of the copies, without `.so`, each once.
+/// Returns the names of the copies without `.so`, each name once.
 fn names(args: &Args) -> Result<Vec<&str>, Failure> {
     let mut names = vec![OWN_NAME];
     if args.all {
-        // A copy under the name of a model is a camera of that model.
+        // A copy under the name of a model becomes a camera of that model.
         names.extend(Model::NAMES.map(|(model, _)| model));
     }
     if let Some(given) = &args.name {
@@ -73,10 +73,10 @@ fn names(args: &Args) -> Result<Vec<&str>, Failure> {
     Ok(names)
 }
 
-/// Returns notes on the copies: which of pbrt's cameras they replace, and how pbrt finds them.
+/// Returns notes on the copies, which state the cameras of pbrt that they replace and how pbrt finds them.
 ///
-/// pbrt takes the first file of a name along its path, so the directory goes to the end of the path, where it replaces
-/// nothing. If the variable is empty, the empty entry is left out.
+/// pbrt uses the first file of a given name along its path, so the directory goes to the end of the path, where it
+/// replaces nothing. An empty path variable adds no empty entry.
 fn advice(directory: &Path, names: &[&str]) -> String {
     let mut text = String::new();
     let replaced: Vec<&str> = names.iter().copied().filter(|name| STOCK_CAMERAS.contains(name)).collect();
@@ -95,7 +95,7 @@ fn advice(directory: &Path, names: &[&str]) -> String {
     )
 }
 
-/// Largest plugin that is read, bytes: one with full debugging information has a tenth of this.
+/// Largest plugin that is read, bytes; a plugin with full debugging information has a tenth of this size.
 const LARGEST: u64 = 1 << 30;
 
 fn install(source: &Path, directory: &Path, names: &[&str], force: bool) -> Result<Vec<PathBuf>, Failure> {
@@ -105,7 +105,7 @@ fn install(source: &Path, directory: &Path, names: &[&str], force: bool) -> Resu
     files::make_folder(directory)?;
     let plugin = files::read(source, LARGEST).map_err(|error| failed(source, error))?;
     let copies: Vec<PathBuf> = names.iter().map(|name| directory.join(format!("{name}.so"))).collect();
-    // All are checked before one is written: half an installation is of no use.
+    // All copies are checked before any is written, because half an installation is useless.
     for copy in &copies {
         if copy.exists() && !force && !files::read(copy, LARGEST).is_ok_and(|bytes| is_ours(&bytes)) {
             return Err(Failure::Other(format!(
@@ -115,7 +115,7 @@ fn install(source: &Path, directory: &Path, names: &[&str], force: bool) -> Resu
         }
     }
     for copy in &copies {
-        // A running renderer keeps the old file: the new one replaces its name, not its contents.
+        // A running renderer keeps the old file: the new file replaces the old one's name and not its contents.
         files::save(copy, &plugin).map_err(|error| failed(copy, error))?;
     }
     Ok(copies)
@@ -199,7 +199,7 @@ mod tests {
         assert_eq!(rest, plain);
         assert!(advice(&["--as", "environment"]).contains("own environment for scenes that name it"));
 
-        // Runs the line in a shell.
+        // Runs the printed line in a shell.
         let export = plain.strip_prefix("For pbrt: ").unwrap();
         for (before, after) in [(None, "/plugins"), (Some(""), "/plugins"), (Some("/pbrt"), "/pbrt:/plugins")]
         {

@@ -1,4 +1,4 @@
-//! The subcommands: one module each, with its `Args` and its `run`. Those that take pictures share a
+//! The subcommands, each in a module with its `Args` and its `run`. The subcommands that take pictures share a
 //! folder.
 
 pub mod blender;

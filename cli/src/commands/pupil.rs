@@ -36,7 +36,7 @@ pub struct Args {
 /// Prints the pupil of the film point.
 ///
 /// # Errors
-/// No such lens, a film distance inside the lens, or a file that cannot be written.
+/// There is no such lens, the film distance lies inside the lens, or a file cannot be written.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let opened = args.lens.open()?;
     let lens = &opened.lens;
@@ -62,11 +62,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     Ok(console::answer(&(text + &drawn), args.out.as_deref())?)
 }
 
-/// Points of the outline.
+/// Number of points of the outline.
 const DIRECTIONS: usize = 720;
-/// Rays across a disk when a share is measured.
+/// Number of rays across a disk when a share is measured.
 const SURVEY: u32 = 400;
-/// Rings and spokes of the sampled disk, drawn after the map to the pupil, and points of each.
+/// Number of rings and spokes of the sampled disk, which are drawn after the map to the pupil, and of points on each.
 const RINGS: u32 = 6;
 const SPOKES: u32 = 24;
 const POINTS: u32 = 96;
@@ -78,13 +78,14 @@ struct Sight {
     rear: SlopeDisk,
     disk: SlopeDisk,
     outline: Option<Outline>,
-    /// The map by which cameras sample the pupil.
+    /// The map with which cameras sample the pupil.
     warped: WarpedPupil,
-    /// Shares of samples that get through, sampled in either disk, and by the map.
+    /// Shares of the samples that pass the lens, when sampled in the rear disk, in the exit pupil's disk, and by the
+    /// map.
     rear_acceptance: f64,
     disk_acceptance: f64,
     warped_acceptance: f64,
-    /// Share of the irradiance from outside the exit pupil's disk.
+    /// Share of the irradiance that comes from outside the exit pupil's disk.
     missed: f64,
 }
 
@@ -93,8 +94,7 @@ impl Sight {
         let radius = args.film_radius;
         let point = [radius, 0.0];
         let film = lens.rear().vertex - film_distance;
-        // For a point off the film the map is made larger, so that it includes the point and ends
-        // farther out.
+        // For a point off the film, the map is made larger, so that it includes the point and ends farther out.
         let reach = args.film.film(diagonal).reach().max(1.01 * radius);
         let rear = PupilDisk::rear(lens, film, reach)
             .ok_or_else(|| CameraError::film_in_lens(lens, film_distance))?;
@@ -114,7 +114,7 @@ impl Sight {
             rear,
             disk,
             rear_acceptance: acceptance(area, rear),
-            // The grid's cells approximate a disk's area to a few parts in 10 000.
+            // The cells of the grid approximate the area of a disk to a few parts in 10 000.
             disk_acceptance: acceptance(in_disk.slope_area, disk).min(1.0),
             warped_acceptance: share_through(&path, film, point, &warped),
             missed,
@@ -123,12 +123,12 @@ impl Sight {
         })
     }
 
-    /// Returns the point at which the ray of these slopes meets the rear vertex plane, mm.
+    /// Returns the point at which the ray with these slopes meets the rear vertex plane, mm.
     fn on_plane(&self, slopes: [f64; 2]) -> [f64; 2] {
         [self.radius + slopes[0] * self.film_distance, slopes[1] * self.film_distance]
     }
 
-    /// Returns rings that divide the disk into equal areas, and spokes, as mapped to the pupil.
+    /// Returns rings that divide the disk into equal areas, and spokes, after the map to the pupil.
     fn map(&self) -> Vec<Vec<[f64; 2]>> {
         let at = |part: f64, turn: f64| {
             let (sin, cos) = (std::f64::consts::TAU * turn).sin_cos();
@@ -189,7 +189,7 @@ impl Sight {
             let (low, high) = (values().fold(f64::MAX, f64::min), values().fold(f64::MIN, f64::max));
             format!("{} to {}", fixed(low, 4), fixed(high, 4))
         };
-        // Symmetry makes its y 0, whatever the rounding error of the sum.
+        // By symmetry, the y of the centre is 0, whatever the rounding error of the sum.
         let [x, _] = self.on_plane(outline.center);
         let shape = match (outline.pieces, outline.star_shaped) {
             (1, true) => "one piece, star-shaped about its centre".to_owned(),
@@ -217,8 +217,7 @@ impl Sight {
     }
 }
 
-/// Returns the share of the map's samples that get through; equal areas of the disk have equally
-/// many samples.
+/// Returns the share of the map's samples that pass the lens; equal areas of the disk have equal numbers of samples.
 fn share_through(path: &Path, film: f64, point: [f64; 2], warped: &WarpedPupil) -> f64 {
     let middle = |k: u32| (f64::from(k) + 0.5) / f64::from(SURVEY);
     let gets_through = |(ring, turn): (u32, u32)| {

@@ -84,7 +84,7 @@ fn reference_clock() -> Option<f64> {
     {
         use core::arch::x86_64::_rdtsc;
         let start = std::time::Instant::now();
-        // SAFETY: every x86-64 processor has the instruction.
+        // SAFETY: every x86-64 processor has this instruction.
         let ticks = unsafe { _rdtsc() };
         std::thread::sleep(Duration::from_millis(50));
         // SAFETY: as above.

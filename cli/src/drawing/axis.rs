@@ -1,11 +1,11 @@
-//! Logarithmic scales: takes numbers; returns positions in pixels and labelled ticks.
+//! Logarithmic scales, which convert numbers to positions in pixels and have labelled ticks.
 
 /// A map from positive numbers to pixels, by their logarithm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LogScale {
     /// Smallest and largest number shown.
     pub range: [f64; 2],
-    /// Pixels of the smallest and the largest number.
+    /// Positions of the smallest and the largest number, pixels.
     pub pixels: [f64; 2],
 }
 
@@ -32,15 +32,15 @@ impl LogScale {
         Self { range: [10_f64.powf(low - room), 10_f64.powf(high + room)], pixels }
     }
 
-    /// Returns the pixel of a number; numbers beyond the range lie on its edge.
+    /// Returns the position of a number, pixels; a number outside the range is placed at the nearer end.
     pub fn position(&self, number: f64) -> f64 {
         let [low, high] = self.range.map(f64::log10);
         let share = ((number.max(f64::MIN_POSITIVE).log10() - low) / (high - low)).clamp(0.0, 1.0);
         self.pixels[0] + share * (self.pixels[1] - self.pixels[0])
     }
 
-    /// Returns ticks at 1 to 9 of every decade. Labels are at least `room` pixels apart: at powers of ten,
-    /// and also at 2 and 5 if fewer than three powers show.
+    /// Returns ticks at 1 to 9 of every decade. Labels are at least `room` pixels apart. They are at powers of ten,
+    /// and also at 2 and 5 times a power if fewer than three powers are visible.
     pub fn ticks(&self, room: f64) -> Vec<Tick> {
         let [low, high] = self.range.map(f64::log10);
         let per_decade = (self.pixels[1] - self.pixels[0]).abs() / (high - low);

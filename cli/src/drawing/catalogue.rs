@@ -10,7 +10,7 @@ use realistic_optics::lens::Lens;
 pub struct Entry {
     /// The lens.
     pub lens: Lens,
-    /// Last vertex to film, mm.
+    /// Distance from the last vertex to the film, mm.
     pub film_distance: f64,
     /// Description of the lens.
     pub text: String,
@@ -19,9 +19,9 @@ pub struct Entry {
 const COLUMNS: usize = 4;
 const CELL: [f64; 2] = [300.0, 276.0];
 const MARGIN: f64 = 14.0;
-/// Largest number of lines under a name.
+/// Largest number of lines of text under a name.
 const LINES: usize = 3;
-/// Height under the drawing for the name and these lines.
+/// Height under the drawing for the name and these lines of text.
 const FOOT: f64 = 28.0 + 18.0 * LINES as f64;
 const GLASS: &str = "#d6e6f2";
 const EDGE: Stroke = Stroke::new("#4a6b85", 1.0);

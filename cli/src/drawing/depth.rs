@@ -7,7 +7,7 @@ use super::{COLORS, FAINT, INK};
 use realistic_base::message::fixed;
 use realistic_optics::imaging::focus::DepthOfField;
 
-/// Data of the drawing; distances in mm from the film, all but the nearest may be infinite.
+/// Data of the drawing. Distances are in mm from the film, and all but `nearest` may be infinite.
 #[derive(Clone, Debug)]
 pub struct DepthDrawing {
     /// The title.
@@ -82,8 +82,8 @@ pub fn draw(drawing: &DepthDrawing) -> Page {
     page
 }
 
-/// Returns round distances in the scale's range with their names: 1, 2 and 5 per decade, or 1 alone if they would
-/// crowd.
+/// Returns round distances in the scale's range with their names: at 1, 2 and 5 in each decade, or only at 1 if there
+/// is no room for more.
 fn ticks(scale: &LogScale) -> impl Iterator<Item = (f64, String)> {
     const ROOM: f64 = 40.0;
     let labelled = scale.ticks(ROOM).into_iter().filter(|tick| tick.label.is_some());

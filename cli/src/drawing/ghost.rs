@@ -1,4 +1,4 @@
-//! A ghost as lines: rays from a lamp at infinity through a lens, reflected at two of its surfaces.
+//! The rays of a ghost, for a drawing: from a lamp at infinity through a lens, reflected at two of its surfaces.
 
 use super::rays::TracedRay;
 use realistic_optics::lens::{Lens, Ray, refraction::Refraction};

@@ -1,4 +1,4 @@
-//! Outlines of a lens's elements: takes a lens; returns closed lines in mm as (z, y).
+//! Outlines of a lens's elements, as closed lines of points (z, y) in mm.
 
 use realistic_optics::lens::{Lens, Surface};
 
@@ -7,7 +7,7 @@ pub fn arc(surface: &Surface) -> Vec<[f64; 2]> {
     const HALF: i32 = 48;
     (-HALF..=HALF)
         .map(|i| {
-            // Steps are even in angle: the edge of a hemisphere is as smooth as its middle.
+            // Steps are even in angle, so that the edge of a hemisphere is as smooth as its middle.
             let y =
                 surface.semi_diameter * (f64::from(i) / f64::from(HALF) * std::f64::consts::FRAC_PI_2).sin();
             [surface.vertex + surface.sagitta(y), y]
@@ -15,8 +15,8 @@ pub fn arc(surface: &Surface) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// Returns the outline of every element: the glass between two surfaces, and its edge, a cylinder as
-/// wide as the wider of them.
+/// Returns the outline of every element: the glass between two surfaces, with a cylindrical edge as wide as the wider
+/// surface.
 pub fn elements(lens: &Lens) -> Vec<Vec<[f64; 2]>> {
     lens.surfaces
         .windows(2)

@@ -1,5 +1,4 @@
-//! Texts in a row, each as near as possible to its anchor, without overlap: takes anchors and widths; returns positions
-//! by isotonic regression.
+//! Texts in a row without overlap, each as near as possible to its anchor; isotonic regression finds their positions.
 
 /// Space between two texts, pixels.
 const GAP: f64 = 14.0;

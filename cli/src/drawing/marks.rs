@@ -9,7 +9,7 @@ use realistic_optics::lens::{Lens, first_order::FirstOrder};
 pub enum MarkForm {
     /// A point on the axis.
     Point,
-    /// A plane across the axis.
+    /// A plane perpendicular to the axis.
     Plane,
     /// A pupil, with its radius in mm.
     Pupil(f64),
@@ -47,11 +47,11 @@ pub fn all(lens: &Lens) -> Vec<AxialMark> {
     marks
 }
 
-/// Largest factor by which a drawing may be longer than the lens and its film to show marks outside.
+/// Largest factor by which marks outside the lens and its film may lengthen a drawing.
 const LONGEST: f64 = 1.7;
 
-/// Returns the drawing's range of z: `core`, extended to the nearest marks as long as it does not become too
-/// long.
+/// Returns the drawing's range of z: `core`, extended to outside marks, from the nearest on, up to [`LONGEST`] times
+/// its length.
 pub fn range(core: [f64; 2], marks: &[AxialMark]) -> [f64; 2] {
     let longest = LONGEST * (core[1] - core[0]);
     let outside = |mark: &&AxialMark| (core[0] - mark.z).max(mark.z - core[1]);

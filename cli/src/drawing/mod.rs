@@ -1,9 +1,9 @@
 //! Drawings of a lens, a pupil and a depth of field: SVG, and PNG rasterised from the same SVG.
 //!
-//! [`view`] maps millimetres to the page, and [`axis`] numbers to a logarithmic scale. [`shapes`] has the page's lines,
-//! areas and texts, [`labels`] keeps texts apart, and [`output`] writes the file. The drawings are [`section`],
-//! [`positions`], [`catalogue`], [`outline`] and [`depth`]; [`glass`], [`rays`], [`ghost`] and [`marks`] are parts of
-//! the first three.
+//! [`view`] maps millimetres to the page, and [`axis`] maps numbers to a logarithmic scale. [`shapes`] has the page's
+//! lines, areas and texts, [`labels`] keeps texts apart, and [`output`] writes the file. The drawings are
+//! [`section`], [`positions`], [`catalogue`], [`outline`] and [`depth`]; [`glass`], [`rays`], [`ghost`] and [`marks`]
+//! are parts of the first three.
 
 pub mod axis;
 pub mod catalogue;

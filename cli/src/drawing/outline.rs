@@ -5,14 +5,14 @@ use super::shapes::{AXIS, Page, Stroke};
 use super::view::View;
 use realistic_base::message::fixed;
 
-/// Data of the drawing; all in mm in the rear vertex plane.
+/// Data of the drawing, in mm in the plane through the rear vertex.
 #[derive(Clone, Debug)]
 pub struct PupilDrawing<'a> {
     /// The title.
     pub title: String,
     /// Points of the outline; empty for an empty pupil.
     pub edge: &'a [[f64; 2]],
-    /// Lines of the unit disk, as the map of lens samples moves them.
+    /// Images of lines of the unit disk under the map of lens samples.
     pub map: &'a [Vec<[f64; 2]>],
     /// Name, centre and radius of each disk.
     pub disks: [(&'static str, [f64; 2], f64); 2],
@@ -74,8 +74,8 @@ mod tests {
         let full = draw(&PupilDrawing { title: "t".to_owned(), edge: &edge, map: &map, disks }).to_string();
         assert!(full.contains("the pupil") && full.contains("rear: 2.00 mm"));
         assert_eq!(full.matches("stroke-width=\"0.7\"").count(), 1);
-        // 4 mm with a margin of a tenth, over 720 by at most 700 pixels, give the disks' radii in
-        // pixels.
+        // 4 mm with a margin of a tenth fill the 700 pixels of the frame's height, which gives the radii of the disks
+        // in pixels.
         let scale = 700.0 / 4.4;
         for radius in [2.0 * scale, scale] {
             let circle = format!("r=\"{radius}");

@@ -6,7 +6,7 @@ use crate::files;
 use crate::image::Colours;
 use std::path::{Path, PathBuf};
 
-/// Parses the path of a flag.
+/// Parses the path of a drawing.
 pub fn path(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     let is_known = is(&path, "svg") || is(&path, "png") || files::is_stdout(&path);
@@ -17,7 +17,7 @@ fn is(path: &Path, ending: &str) -> bool {
     path.extension().is_some_and(|own| own.eq_ignore_ascii_case(ending))
 }
 
-/// Writes the drawing in the format of the file's ending; standard output takes an SVG.
+/// Writes the drawing in the format of the file's ending; standard output gets an SVG.
 ///
 /// # Errors
 /// The file cannot be written; the message names it.

@@ -1,5 +1,5 @@
-//! A lens whose groups move, drawn at several positions above each other: at one scale, with the films aligned, and
-//! lines between positions that show the groups' movements.
+//! A lens whose groups move, drawn at several positions, one below the other, at the same scale and with the films
+//! aligned. Lines between the drawings show the movements of the groups.
 
 use super::rays::Rays;
 use super::section::{self, MARGIN, WIDTH};
@@ -15,7 +15,7 @@ pub struct PositionPanel {
     pub lens: Lens,
     /// Name of the position.
     pub name: String,
-    /// Last vertex to film, mm.
+    /// Distance from the last vertex to the film, mm.
     pub film_distance: f64,
 }
 
@@ -24,7 +24,7 @@ pub struct PositionPanel {
 pub struct PositionsOptions<'a> {
     /// The lens file's title.
     pub title: Option<&'a str>,
-    /// Surfaces before gaps that change.
+    /// Indices of the surfaces before the gaps that change.
     pub gaps: &'a [usize],
     /// Diagonal of the film, mm.
     pub film_diagonal: f64,
@@ -34,10 +34,10 @@ pub struct PositionsOptions<'a> {
 
 /// Height of title and subtitle.
 const HEAD: f64 = 84.0;
-/// Height above each position, for its name and the lines from the one above.
+/// Height above each position, for its name and for the lines from the position above.
 const BETWEEN: f64 = 46.0;
 const FOOT: f64 = 80.0;
-/// Least and greatest height of a position.
+/// Least and greatest height of a drawing of one position.
 const HEIGHTS: [f64; 2] = [100.0, 300.0];
 
 /// Draws the positions, at least one.
@@ -84,7 +84,7 @@ pub fn draw(panels: &[PositionPanel], options: &PositionsOptions<'_>) -> Page {
         legend = section::bundles(&mut page, view, &rays, half, options.rays);
         section::film_line(&mut page, view, film(panel), half);
     }
-    // The first vertex of each group; the last gap is the film's.
+    // A line starts at the first vertex of each group; behind the last gap is the film, not a group.
     let last = first.surfaces.len() - 1;
     let groups = std::iter::once(0).chain(options.gaps.iter().filter(|gap| **gap < last).map(|gap| gap + 1));
     for surface in groups {

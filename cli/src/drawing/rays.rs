@@ -1,4 +1,4 @@
-//! Rays as lines: takes a lens and a film; returns for every ray of a bundle its points on all surfaces.
+//! Rays for a drawing: the points on all surfaces of every ray of a bundle.
 
 use realistic_optics::lens::Lens;
 use realistic_optics::trace::{Path, Ray};
@@ -21,8 +21,8 @@ pub struct Rays {
     film: f64,
 }
 
-/// Distance beyond the beam's edges to which rays are drawn, as a fraction of its width, to show
-/// the surfaces that stop them.
+/// Distance beyond the edges of the beam, as a fraction of the beam's width, to which rays are drawn, so that the
+/// drawing shows the surfaces that stop them.
 const BEYOND: f64 = 0.12;
 
 impl Rays {
@@ -36,8 +36,8 @@ impl Rays {
         self.field.lit_radius(radius)
     }
 
-    /// Traces `count` rays of the film point at `height` mm below the axis, spread over the beam
-    /// that gets through and a margin; empty if the film is dark.
+    /// Traces `count` rays of the film point at `height` mm below the axis, spread over the beam that passes the lens
+    /// and a margin; empty if the film is dark.
     pub fn bundle(&self, height: f64, count: u32) -> Vec<TracedRay> {
         let Some([low, high]) = self.field.beam(height) else {
             return Vec::new();

@@ -16,13 +16,13 @@ use realistic_optics::lens::{Lens, first_order::FirstOrder};
 pub struct SectionOptions<'a> {
     /// The lens file's title.
     pub title: Option<&'a str>,
-    /// Last vertex to film, mm.
+    /// Distance from the last vertex to the film, mm.
     pub film_distance: f64,
     /// Diagonal of the film, mm.
     pub film_diagonal: f64,
     /// Rays per bundle.
     pub rays: u32,
-    /// The surfaces of a ghost, whose rays are drawn instead of the image's.
+    /// Two surfaces whose ghost is drawn, in place of the rays of the image.
     pub ghost: Option<Pair>,
 }
 
@@ -32,13 +32,13 @@ pub(super) const WIDTH: f64 = 1200.0;
 pub(super) const MARGIN: f64 = 40.0;
 /// Height of the title and the row of names above the drawing.
 const HEAD: f64 = 122.0;
-/// Height of two rows of names below the drawing, then scale and legend.
+/// Height of the two rows of names below the drawing, and of the scale and legend below them.
 const FOOT: f64 = 130.0;
 const GLASS: &str = "#d6e6f2";
 const EDGE: Stroke = Stroke::new("#4a6b85", 1.2);
 const BLOCKED: f64 = 0.35;
-/// Factor by which a pupil may be wider than lens and film and still be drawn to size: a wider one has its
-/// size in words.
+/// Largest width of a pupil drawn to scale, as a multiple of the width of lens and film; the size of a wider pupil is
+/// written as text.
 const PUPIL_MOST: f64 = 2.0;
 
 /// Draws the lens.
@@ -75,7 +75,7 @@ pub(super) fn draw_lens(page: &mut Page, view: &View, lens: &Lens) {
         page.area(on_page(&element), GLASS, EDGE);
     }
     for (index, surface) in lens.surfaces.iter().enumerate() {
-        // Without glass on either side an interface would not show otherwise.
+        // An interface without glass on either side would otherwise be invisible.
         if surface.n_scene == 1.0 && surface.n_film == 1.0 && !surface.is_stop {
             page.line(on_page(&glass::arc(surface)), EDGE.dashed("4 3"));
         } else if surface.is_stop {
@@ -100,7 +100,7 @@ pub(super) fn stop_bar(lens: &Lens, index: usize) -> f64 {
     widest.max(1.3 * lens.surfaces[index].semi_diameter)
 }
 
-/// Returns the drawing's window, with -z across.
+/// Returns the drawing's window, in which -z is the horizontal coordinate.
 fn window(lens: &Lens, film: f64, diagonal: f64, marks: &[AxialMark]) -> View {
     let ends = |edge: fn(f64, f64) -> f64, start: f64| {
         lens.surfaces
@@ -140,7 +140,7 @@ pub(super) fn numbers(lens: &Lens) -> String {
     )
 }
 
-/// Writes the lens's name and `facts`, and below them the title in the file.
+/// Writes the lens's name and `facts`, and below them the title in the lens file.
 pub(super) fn title(page: &mut Page, lens: &Lens, facts: &str, subtitle: Option<&str>) {
     // A path is cut to the file's name.
     let name = lens.name.rsplit('/').next().unwrap_or(&lens.name);
@@ -152,7 +152,7 @@ pub(super) fn title(page: &mut Page, lens: &Lens, facts: &str, subtitle: Option<
     }
 }
 
-/// Draws a bundle on the axis, one at the film's corner (or at the edge of the light) and one between;
+/// Draws three bundles: on the axis, at the film's corner (or at the edge of the light) and between these two;
 /// returns names and strokes for the legend.
 pub(super) fn bundles(
     page: &mut Page,
@@ -198,7 +198,7 @@ fn on_page(view: &View, ray: &TracedRay) -> Vec<[f64; 2]> {
     points.into_iter().map(|point| view.at(point)).collect()
 }
 
-/// A name, its preferred position, and the point of the page that it labels, if that is on the page.
+/// A name, its preferred position, and the point that it labels, if that point is on the page.
 struct Label {
     text: String,
     anchor: f64,
@@ -237,7 +237,7 @@ fn name_marks(page: &mut Page, view: &View, lens: &Lens, film: f64, half: f64, m
     name_row(page, outside, bottom + 50.0, bottom + 50.0);
 }
 
-/// Draws the mark itself and returns its label.
+/// Draws a mark and returns its label.
 fn draw_mark(page: &mut Page, view: &View, mark: &AxialMark) -> Label {
     let axis = view.at([-mark.z, 0.0]);
     let [top, bottom] = [view.frame.top, view.frame.top + view.frame.height];
@@ -271,7 +271,7 @@ fn draw_mark(page: &mut Page, view: &View, mark: &AxialMark) -> Label {
     Label { text, anchor: axis[0], leader: Some([axis[0], end]) }
 }
 
-/// Writes names in a row at `y`, with leaders from `near` to their points.
+/// Writes names in a row at `y`, with leaders from the height `near` to the points that they label.
 fn name_row(page: &mut Page, mut row: Vec<Label>, y: f64, near: f64) {
     row.sort_by(|a, b| a.anchor.total_cmp(&b.anchor));
     let anchors: Vec<f64> = row.iter().map(|label| label.anchor).collect();

@@ -1,4 +1,4 @@
-//! The page of a drawing: takes lines, areas and texts in pixels; returns the text of an SVG 1.1 file, or pixels.
+//! The page of a drawing: lines, areas and texts in pixels, written as an SVG 1.1 file or rasterised.
 
 use super::{FAINT, INK};
 use crate::image::SrgbImage;
@@ -55,9 +55,9 @@ pub enum Anchor {
 enum Geometry {
     /// A line through points.
     Line(Vec<[f64; 2]>),
-    /// An area with corners.
+    /// An area with these corners.
     Area(Vec<[f64; 2]>),
-    /// Centre and radius.
+    /// A circle with this centre and radius.
     Circle([f64; 2], f64),
     /// A text with its anchor point and its font size.
     Text(String, [f64; 2], f64, Anchor),
@@ -120,7 +120,7 @@ impl Page {
         self.add(Geometry::Circle(center, radius), fill, Some(stroke));
     }
 
-    /// Writes a text on its base line.
+    /// Writes a text on its baseline.
     pub fn text(&mut self, text: &str, point: [f64; 2], size: f64, anchor: Anchor, fill: &str) {
         self.add(Geometry::Text(text.to_owned(), point, size, anchor), fill, None);
     }
@@ -142,7 +142,8 @@ impl Page {
         self.text(&fitted(title, LARGE, room), [left, 38.0], LARGE, Anchor::Start, INK);
     }
 
-    /// Draws a bar of `pixels` that represents `mm`, its left end at `left`, with its length above it.
+    /// Draws a scale bar of `pixels` that represents `mm`, with its left end at `left` and its length in words above
+    /// it.
     pub fn scale_bar(&mut self, [left, y]: [f64; 2], pixels: f64, mm: f64) {
         let tick = |x: f64| [[x, y - 4.0], [x, y + 4.0]];
         for line in [tick(left), [[left, y], [left + pixels, y]], tick(left + pixels)] {
@@ -264,7 +265,7 @@ pub const SMALL: f64 = 14.0;
 /// Font size of the title.
 pub const LARGE: f64 = 20.0;
 
-/// Returns the width of a text, pixels: an upper bound for the usual sans-serif fonts.
+/// Returns an upper bound for the width of a text in the usual sans-serif fonts, pixels.
 pub fn text_width(text: &str, size: f64) -> f64 {
     0.58 * size * text.chars().count() as f64
 }

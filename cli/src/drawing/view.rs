@@ -1,5 +1,4 @@
-//! A map from millimetres to the page, at one scale in both directions: takes a window of lens space and a part of the
-//! page; returns the page's point for any point.
+//! A map from a window of lens space in millimetres to a part of the page, at the same scale in both directions.
 
 /// A part of the page, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,8 +58,8 @@ impl View {
         ]
     }
 
-    /// Returns the distance along a direction from `from` to the window's edge, in lengths of `direction`; 0 from
-    /// outside.
+    /// Returns the distance from `from` along `direction` to the window's edge, in lengths of `direction`; 0 if
+    /// `from` is outside.
     pub fn distance_to_edge(&self, from: [f64; 2], direction: [f64; 2]) -> f64 {
         let windows = [self.across, self.up];
         let distances = (0..2).filter(|&i| direction[i] != 0.0).map(|i| {
@@ -70,7 +69,7 @@ impl View {
         distances.fold(f64::INFINITY, f64::min).max(0.0)
     }
 
-    /// Returns the largest length in mm of the form 1, 2 or 5 times a power of ten that takes at most `pixels`.
+    /// Returns the largest length, in mm, that is 1, 2 or 5 times a power of ten and occupies at most `pixels`.
     pub fn round_length(&self, pixels: f64) -> f64 {
         let length = pixels / self.scale;
         let power = 10.0_f64.powf(length.log10().floor());

@@ -44,7 +44,7 @@ impl Film {
         self.half().map(|half| half - 0.5)
     }
 
-    /// Returns the part of the circle of this radius, pixels, that lies on the film, as an angle.
+    /// Returns the angle of the part of a circle that lies on the film; `radius` is in pixels.
     fn arc(&self, radius: f64) -> f64 {
         // In one quadrant the arc runs from one edge of the film to the other.
         let [right, down] = self.half().map(|half| (half / radius).min(1.0).acos());
@@ -52,19 +52,19 @@ impl Film {
     }
 }
 
-/// One distance from the film's centre, and the chief ray of its film points.
+/// A distance from the film's centre, and the chief ray of the film points at this distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ring {
     /// Distance from the centre, pixels.
     pub radius: f64,
-    /// Point at which the ray leaves the front surface: distance from the axis, positive on the side that the ray goes
-    /// to, and z, mm.
+    /// Point at which the ray leaves the front surface, mm: its distance from the axis, positive on the side toward
+    /// which the ray travels, and its z.
     pub origin: [f64; 2],
     /// Unit direction of the ray in the same axes.
     pub direction: [f64; 2],
     /// z at which the ray crosses the axis, mm.
     pub pupil: f64,
-    /// Angle from the axis at which the pinhole sees the ray's point in focus.
+    /// Angle from the axis at which the pinhole sees the point of the ray that is in focus.
     pub angle: f64,
     /// Share of the film's area that the ring represents.
     pub share: f64,
@@ -79,9 +79,9 @@ pub struct ChiefField {
     pub pinhole: f64,
     /// z of the plane in focus, mm; may be infinite.
     pub in_focus: f64,
-    /// Distance from the centre to which the film has light, pixels.
+    /// Distance from the centre up to which the film gets light, pixels.
     pub lit: f64,
-    /// The rays at even steps from the centre to that distance.
+    /// The rays at even steps from the centre to `lit`.
     pub rings: Vec<Ring>,
 }
 
@@ -109,10 +109,11 @@ pub enum FieldError {
     },
 }
 
-/// Largest distance of an object off the axis, as a multiple of that of the plane in focus on the axis.
+/// Largest distance of an off-axis object from the pinhole, as a multiple of the distance from the pinhole to the
+/// plane in focus along the axis.
 ///
-/// A ray at 90 degrees never meets the plane. An object ten times as far appears as one at infinity does, except for a
-/// tenth of the effect of pupil shift in focus.
+/// A ray at 90 degrees to the axis never meets the plane in focus. An object ten times as far away looks like one at
+/// infinity, except for a tenth of the effect that pupil shift has at the plane in focus.
 const FARTHEST: f64 = 10.0;
 
 /// Object distance, in film diagonals, that counts as infinity: no pupil shift is large enough to change a pixel.
@@ -122,7 +123,7 @@ impl ChiefField {
     /// Traces the rays of `count` evenly spaced film points.
     ///
     /// # Errors
-    /// No light on the axis, or no position for a pinhole.
+    /// There is no light on the axis, or no position for a pinhole.
     pub fn new(lens: &Lens, film: Film, count: u32) -> Result<Self, FieldError> {
         let field = Field::new(lens, film.z);
         let corner = 0.5 * film.diagonal;
@@ -195,7 +196,7 @@ impl ChiefField {
         share.min(1.0)
     }
 
-    /// Returns the pixels of a pinhole's image per unit of the tangent, in the middle of the film.
+    /// Returns the image scale of a pinhole in the middle of the film, pixels per unit of the tangent.
     pub fn central_scale(&self) -> f64 {
         // Distortion is of third order, so the ring nearest the axis has none.
         let ring = self.rings[1.min(self.rings.len() - 1)];
@@ -216,14 +217,15 @@ impl ChiefField {
         self.rings[1.min(self.rings.len() - 1)].radius
     }
 
-    /// Returns the point in focus of a ring's ray; `None` at infinity.
+    /// Returns the point of a ring's ray that is in focus; `None` at infinity.
     pub fn point(&self, ring: &Ring) -> Option<[f64; 2]> {
         point(ring.origin, ring.direction, self.pinhole, self.in_focus)
     }
 }
 
-/// Returns the point of a ray on the plane z = `plane`. If the ray meets the plane farther than [`FARTHEST`] times its
-/// distance from the pinhole, or not at all, returns the ray's point at that distance.
+/// Returns the point of a ray on the plane z = `plane`. If the ray does not meet the plane, or meets it at more than
+/// [`FARTHEST`] times the plane's distance from the pinhole, returns the ray's point at that multiple of the
+/// distance.
 fn point([h, z]: [f64; 2], [dh, dz]: [f64; 2], pinhole: f64, plane: f64) -> Option<[f64; 2]> {
     if plane == f64::INFINITY {
         return None;
@@ -235,13 +237,13 @@ fn point([h, z]: [f64; 2], [dh, dz]: [f64; 2], pinhole: f64, plane: f64) -> Opti
     if along > 0.0 && x.hypot(y - pinhole) <= most {
         return Some([x, y]);
     }
-    // |o + along d - pinhole| = most, the root ahead.
+    // The root of |o + along d - pinhole| = most that lies ahead on the ray.
     let half = h * dh + (z - pinhole) * dz;
     let rest = h * h + (z - pinhole).powi(2) - most * most;
     Some(at((half * half - rest).max(0.0).sqrt() - half))
 }
 
-/// Returns the angle from the axis at which the pinhole sees a ray's point in focus.
+/// Returns the angle from the axis at which the pinhole sees the point of a ray on the plane z = `plane`.
 fn seen(origin: [f64; 2], direction: [f64; 2], pinhole: f64, plane: f64) -> f64 {
     let [x, y] = match point(origin, direction, pinhole, plane) {
         Some([h, z]) => [h, z - pinhole],

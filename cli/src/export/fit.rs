@@ -9,8 +9,8 @@ use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::storage::Owned;
 use nalgebra::{DMatrix, DVector, Dyn};
 
-/// A point to which the law is fitted, both coordinates in units of their largest. The weight is a unit of y in pixels
-/// there, times the square root of the share of the film.
+/// A point to which the law is fitted, each coordinate divided by its largest value. The weight is the size of a unit
+/// of y in pixels at this point, times the square root of the point's share of the film.
 #[derive(Clone, Copy, Debug)]
 struct Point {
     x: f64,
@@ -25,8 +25,8 @@ struct Problem {
     is_scale_free: bool,
 }
 
-/// Returns the law of a shape that best matches the rays, by the mean square over the film; c is `scale` if given, else
-/// fitted.
+/// Returns the law of this shape that best matches the rays, by the mean square error over the film; c is `scale` if
+/// given, else fitted.
 pub fn fit(shape: LawShape, field: &ChiefField, scale: Option<f64>) -> Law {
     let last = field.rings[field.rings.len() - 1];
     let [from, to] = [shape.from, shape.to];
@@ -45,7 +45,8 @@ pub fn fit(shape: LawShape, field: &ChiefField, scale: Option<f64>) -> Law {
             2.0 * half / (y1 - y0)
         };
         let (x, y) = (from.of(ring.radius, ring.angle) / unit[0], to.of(ring.radius, ring.angle) / unit[1]);
-        // The weight is that of the ring's circle, so that equal areas of the film have equal weight.
+        // The square of the weight grows with the circumference of the ring, so that equal areas of the film count
+        // equally.
         Point { x, y, weight: worth.abs() * unit[1] * ring.radius.sqrt() }
     });
     let in_units = scale.map(|scale| scale * unit[0] / unit[1]);

@@ -17,29 +17,28 @@ use serde_json::{Value, json};
 #[derive(Clone, Debug)]
 pub struct Illumination {
     film: Film,
-    /// Distances from the centre, pixels, and the share there.
+    /// Distances from the centre, pixels, and the share at each.
     values: Vec<(f64, f64)>,
-    /// Distance from the centre to which there is light, pixels.
+    /// Distance from the centre up to which there is light, pixels.
     lit: f64,
     /// a₁, a₂ and a₃ of 1 + a₁ρ² + a₂ρ⁴ + a₃ρ⁶, where ρ is 1 in the film's corner.
     pub polynomial: Vec<f64>,
-    /// Largest error of the polynomial, as a share of the illumination in the middle, and the RMS error over the
-    /// radius.
+    /// Largest and RMS error of the polynomial over the radius, as shares of the illumination in the middle.
     pub errors: [f64; 2],
 }
 
-/// Film points from the centre to the edge of the light.
+/// Number of film points from the centre to the edge of the light.
 const POINTS: u32 = 32;
-/// Directions in which the pupil's edge is located.
+/// Number of directions in which the pupil's edge is located.
 const DIRECTIONS: usize = 180;
-/// Coefficients of the polynomial.
+/// Number of coefficients of the polynomial.
 const TERMS: usize = 3;
 
 impl Illumination {
-    /// Computes the illumination from the area of the pupil and the fourth power of the cosine, exactly except that
-    /// transmission is ignored.
+    /// Computes the illumination from the area of the pupil and the fourth power of the cosine. This is exact, except
+    /// that transmission is ignored.
     ///
-    /// `None` if the film does not lie behind the lens, or is dark.
+    /// Returns `None` if the film does not lie behind the lens, or is dark.
     pub fn of(lens: &Lens, film: Film, lit: f64) -> Option<Self> {
         let kernel = Kernel::new(lens, Direction::FilmToScene);
         let rear = PupilDisk::rear(lens, film.z, 0.5 * film.diagonal)?;

@@ -66,7 +66,7 @@ pub fn series(coefficients: &[f64], z: f64) -> [f64; 2] {
     [1.0 + z * sum, sum + z * slope]
 }
 
-/// Steps in a search over a range.
+/// Number of steps in a search over a range.
 const SCAN: u32 = 2000;
 
 impl Law {
@@ -85,7 +85,7 @@ impl Law {
         self.scale * (n / d + f64::from(power) * z * (dn * d - n * dd) / (d * d))
     }
 
-    /// Returns the x up to which the law grows from 0, at most `most`.
+    /// Returns the x, at most `most`, up to which the law grows from x = 0.
     pub fn grows_to(&self, most: f64) -> f64 {
         let at = |i: u32| most * f64::from(i) / f64::from(SCAN);
         let sound = |x: f64| {
@@ -95,8 +95,8 @@ impl Law {
         (1..=SCAN).find(|&i| !sound(at(i))).map_or(most, |i| at(i - 1))
     }
 
-    /// Returns the x below `most` at which the law reaches `y`, if it grows up to there; `None` if it does not reach
-    /// `y`.
+    /// Returns the x below `most` at which the law reaches `y`, provided that the law grows up to `most`; `None` if
+    /// it does not reach `y`.
     fn inverse(&self, y: f64, most: f64) -> Option<f64> {
         let (mut low, mut high) = (0.0, most);
         if !(self.at(high) >= y) {

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use std::io::Cursor;
 use std::path::Path;
 
-/// Floats of every pixel, in rows from the top.
+/// Values of every pixel as floats, in rows from the top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Map {
     /// Width and height.
@@ -40,8 +40,8 @@ impl Map {
         Self { size, channels: channels.to_vec(), values: rows.concat() }
     }
 
-    /// Writes the map in the format of the file's ending: .exr with 32-bit floats, or .npy, an array of height, width
-    /// and channels.
+    /// Writes the map in the format of the file's ending: .exr with 32-bit floats, or .npy, an array with the axes
+    /// height, width and channel.
     ///
     /// # Errors
     /// The file cannot be written; the message names it.
@@ -87,13 +87,13 @@ impl Map {
     }
 }
 
-/// Entries of the inverse of the distortion.
+/// Number of entries in the table of the inverse distortion.
 const ENTRIES: usize = 4096;
 
 /// Returns the maps from the lens's picture to a pinhole's and back, for Nuke's `STMap`. Red and green are the
-/// coordinates in the other picture, as fractions of its width from the left and of its height from the bottom. Blue is
-/// 1 where these are valid. The first map makes the pinhole's picture from the lens's, the second the lens's from the
-/// pinhole's.
+/// coordinates in the other picture, as fractions of its width from the left and of its height from the bottom. Blue
+/// is 1 where these coordinates are valid. The first map makes the pinhole's picture from the lens's picture, and the
+/// second map does the reverse.
 ///
 /// The pinhole has the lens's image scale in the middle of the film, and the same film.
 pub fn st_maps(field: &ChiefField) -> [Map; 2] {

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 /// A camera model of other programs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Model {
-    /// No distortion: the image scale in the middle.
+    /// No distortion, with the image scale of the middle.
     Pinhole,
     /// Brown's polynomial in the tangent, k1, k2, k3 (`OpenCV`).
     OpenCv,
@@ -29,12 +29,12 @@ pub struct Fitted {
     pub model: Model,
     /// The fitted law.
     pub law: Law,
-    /// The rays of the fit: all, or for a model that cannot see sideways those that it can represent.
+    /// The rays of the fit: all rays, or for a model that cannot see sideways the rays that it can represent.
     pub held: ChiefField,
 }
 
-/// Angle from the axis up to which models that project onto a plane are fitted: tan 80° is 5.7, and a polynomial in the
-/// tangent fitted farther is bad everywhere.
+/// Angle from the axis up to which models that project onto a plane are fitted: tan 80° is 5.7, and a polynomial in
+/// the tangent that is fitted beyond this angle is bad everywhere.
 pub const PLANE_REACH: f64 = 80.0_f64.to_radians();
 
 impl Model {
@@ -90,7 +90,7 @@ impl Fitted {
         if shape.to == Quantity::Radius { scale } else { scale.recip() }
     }
 
-    /// Returns the parameters under the names in the model's own programs; pixels and radians.
+    /// Returns the parameters under the names of the model's own programs, in pixels and radians.
     pub fn parameters(&self) -> Value {
         let [cx, cy] = self.held.film.principal_point();
         let Law { scale, numerator: n, denominator: d, .. } = &self.law;
@@ -112,7 +112,7 @@ impl Fitted {
         }
     }
 
-    /// Returns the coefficients in the order of the model's own programs, in pixels and radians.
+    /// Returns the coefficients in the order that the model's own programs use, in pixels and radians.
     pub fn distortion(&self) -> Vec<f64> {
         let Law { scale, numerator: n, denominator: d, .. } = &self.law;
         match self.model {
@@ -125,16 +125,17 @@ impl Fitted {
         }
     }
 
-    /// Returns coefficients of numerator and denominator in turn, for radii in mm.
+    /// Returns the coefficients of numerator and denominator alternately, for radii in mm.
     fn radial(&self, numerator: &[f64], denominator: &[f64]) -> Vec<f64> {
         let Law { shape, scale, .. } = &self.law;
-        // The argument is the radius in pixels, or the tangent, which is the undistorted radius over the focal length.
+        // The argument is the radius in pixels, or the tangent, which is the undistorted radius divided by the focal
+        // length.
         let unit = if shape.from == Quantity::Radius { 1.0 } else { *scale } * self.held.film.pixel();
         let pairs = (1..).zip(numerator.iter().zip(denominator));
         pairs.flat_map(|(i, (n, d))| [n, d].map(|a| a / unit.powi(2 * i))).collect()
     }
 
-    /// Returns coefficients of a quotient in the tangent in the same order: `OpenTrackIO`'s U-D.
+    /// Returns the coefficients of a quotient in the tangent, in the same order: `OpenTrackIO`'s U-D.
     pub fn radial_from_undistorted(&self) -> Vec<f64> {
         self.radial(&self.law.numerator, &self.law.denominator)
     }

@@ -26,7 +26,7 @@ impl Errors {
         [self.worst, self.at, self.rms, self.share]
     }
 
-    /// Combines distances from the centre, errors and shares of the film.
+    /// Combines the errors at several distances from the centre, with their shares of the film.
     fn of(each: impl Iterator<Item = (f64, f64, f64)>) -> Self {
         let mut errors = Self { worst: 0.0, at: 0.0, rms: 0.0, share: 0.0 };
         for (radius, error, share) in each {
@@ -43,7 +43,7 @@ impl Errors {
 
     /// Compares a model with rays, up to the distance from the centre that the model covers.
     pub fn of_model(model: &Fitted, rays: &ChiefField) -> Self {
-        // The inverse of the law is searched beyond the film, too.
+        // The inverse of the law is searched even beyond the film.
         let reach = model.law.grows_to(2.0 * rays.film.corner());
         let held = rays.rings.iter().take_while(|ring| ring.radius <= model.held.lit * (1.0 + 1e-9));
         Self::of(held.map(|ring| {
@@ -52,7 +52,8 @@ impl Errors {
         }))
     }
 
-    /// Returns the errors of a map with the quantity at the pixels' centres, interpolated half way between two.
+    /// Returns the errors of a map that has the quantity at the centres of pixels, when it is interpolated halfway
+    /// between two centres.
     pub fn of_map(quantity: Quantity, rays: &ChiefField) -> Self {
         let rays = if quantity == Quantity::Tangent { rays.within(PLANE_REACH) } else { rays.clone() };
         let table = rays.odd(|ring| quantity.of(ring.radius, ring.angle));
@@ -60,7 +61,7 @@ impl Errors {
         let pixels = rays.lit as u32;
         Self::of((0..pixels).map(|i| {
             let [a, b, c] = [0.0, 0.5, 1.0].map(|by| table.at(f64::from(i) + by));
-            // The weight of every step is its ring's share of the film.
+            // The weight of every step is the share of the film that its ring covers.
             let ring = f64::from(2 * i + 1) / f64::from(pixels).powi(2);
             (f64::from(i), ((a + c) / 2.0 - b).abs() / (c - a), ring * share)
         }))
@@ -88,7 +89,7 @@ pub struct Focus {
     pub distance: f64,
     /// Distance from the last vertex to the film, mm.
     pub film_distance: f64,
-    /// Pixels per unit of the tangent, in the middle.
+    /// Pixels per unit of the tangent, in the middle of the film.
     pub scale: f64,
     /// Largest angle from the axis.
     pub half_field: f64,
@@ -143,8 +144,8 @@ impl Report<'_> {
         self.rays.pinhole + 20.0 * self.rays.central_scale() * self.rays.film.pixel()
     }
 
-    /// Returns the range in which the model's law grows with its argument: the angle, the film radius, and whether the
-    /// range includes all of the fitted rays.
+    /// Returns the limits up to which the model's law grows with its argument, as an angle and as a film radius, and
+    /// whether the range includes all of the fitted rays.
     fn monotonic(model: &Fitted) -> (f64, f64, bool) {
         let (law, [angle, radius]) = (&model.law, [model.held.extent().0, model.held.lit]);
         let reach = match law.shape.from {

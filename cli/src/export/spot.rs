@@ -1,4 +1,4 @@
-//! The spot: the spread of a point's image on the film, by rays.
+//! Spots: the spread of a point's image on the film, from traced rays.
 
 use super::field::{ChiefField, Ring};
 use realistic_base::numeric::{edge, gauss_legendre};
@@ -13,22 +13,22 @@ pub struct Spot {
     pub radius: f64,
     /// Angle from the axis at which the pinhole sees the point, degrees.
     pub angle: f64,
-    /// Rays traced for the spot.
+    /// Number of rays traced for the spot.
     pub rays: usize,
-    /// Mean distance of the rays from the film's centre minus that of the chief ray, mm.
+    /// Mean distance of the rays from the film's centre minus the distance of the chief ray, mm.
     pub offset: f64,
-    /// RMS distance from the mean, mm: radial and tangential.
+    /// RMS distance from the mean in the radial and in the tangential direction, mm.
     pub rms: [f64; 2],
-    /// Radii about the mean that hold half of the light, and 80 % of it, mm.
+    /// Radii of the circles about the mean that hold 50 % and 80 % of the light, mm.
     pub encircled: [f64; 2],
 }
 
-/// Object points: shares of the lit radius.
+/// Object points, by the film radii of their chief rays as shares of the lit radius.
 const FIELDS: [f64; 7] = [0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 1.0];
-/// Rays across the front in the search for the beam.
+/// Number of rays across the front in the search for the beam.
 const GRID: u32 = 64;
-/// Arms from the beam's middle to its edge. Rays lie along them at the 16 nodes of Gauss-Legendre quadrature, which
-/// makes RMS radii accurate to 0.1 %.
+/// Number of arms from the beam's middle to its edge. Rays lie along the arms at the 16 nodes of Gauss-Legendre
+/// quadrature, which makes RMS radii accurate to 0.1 %.
 const ARMS: u32 = 96;
 
 /// Returns the spots of object points in focus, from the axis to the edge of the light.
@@ -47,14 +47,14 @@ struct Landed {
 }
 
 impl Spot {
-    /// Integrates over the beam from the object of a ring: the light of a point that radiates equally into all
+    /// Integrates over the beam from the object of a ring: the light of a point that radiates equally in all
     /// directions.
     fn of(path: &Path, lens: &Lens, field: &ChiefField, ring: &Ring) -> Option<Self> {
         let front = lens.front().semi_diameter;
         let object = field.point(ring);
         let shoot = |[a, b]: [f64; 2]| {
             let ([h, z], [dh, dz]) = (ring.origin, ring.direction);
-            // One direction lies in the plane through the axis, the other is x.
+            // One of the two directions lies in the plane through the axis, and the other is x.
             let through = [b, h + a * dz, z - a * dh];
             let (origin, direction, weight) = match object {
                 Some([y, z]) => {
@@ -80,8 +80,8 @@ impl Spot {
             let all = (0..GRID).flat_map(|i| (0..GRID).map(move |j| [i, j]));
             all.filter_map(|[i, j]| shoot([at(a0, a1, i), at(b0, b1, j)])).collect()
         };
-        // The beam may be a small part of the front: the search narrows about the chief ray, and then covers the beam
-        // alone.
+        // The beam may fill a small part of the front, so the search narrows about the chief ray until it covers only
+        // the beam.
         let mut reach = 2.0 * (front + ring.origin[0].abs());
         let mut found = Vec::new();
         for _ in 0..8 {
@@ -96,7 +96,7 @@ impl Spot {
         let away = |ray: &Landed| (ray.across[0] - mean[0]).hypot(ray.across[1] - mean[1]);
         let middle = found.iter().min_by(|a, b| away(a).total_cmp(&away(b)))?.across;
         let outside = found.iter().map(away).fold(0.0, f64::max) + 4.0 * reach / f64::from(GRID);
-        // Along each arm the nodes lie between the middle and the beam's edge, which the arm crosses once.
+        // Along each arm, the nodes lie between the middle and the edge of the beam; each arm crosses the edge once.
         let mut rays = Vec::new();
         for arm in 0..ARMS {
             let (sine, cosine) = (std::f64::consts::TAU * f64::from(arm) / f64::from(ARMS)).sin_cos();

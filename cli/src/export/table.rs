@@ -21,7 +21,8 @@ impl RadialFunction {
         Self { step, values, parity: -1.0 }
     }
 
-    /// Returns the value at `x`, which is 0 or more; beyond the last value the last cubic continues as a straight line.
+    /// Returns the value at `x`, which is 0 or more; beyond the last value, the last cubic is continued as a straight
+    /// line.
     pub fn at(&self, x: f64) -> f64 {
         let last = self.values.len() - 1;
         let at = x / self.step;
@@ -45,7 +46,7 @@ impl RadialFunction {
             + (cube - square) * end
     }
 
-    /// Returns the inverse of a growing function, as `count` values at even steps over the function's range.
+    /// Returns the inverse of an increasing function, as `count` values at even steps over the function's range.
     pub fn inverse(&self, count: usize) -> Self {
         let end = self.step * (self.values.len() - 1) as f64;
         let most = self.at(end);

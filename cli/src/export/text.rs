@@ -13,7 +13,7 @@ pub struct LensData<'a> {
     pub name: &'a str,
     /// Focal length, mm.
     pub focal_length: f64,
-    /// f-number: focal length over entrance pupil.
+    /// f-number: focal length over the diameter of the axial beam.
     pub fnumber: f64,
     /// f-number over the square root of the transmission on the axis, if a coating is given.
     pub tnumber: Option<f64>,
@@ -27,19 +27,19 @@ pub struct LensData<'a> {
     pub mm_per_unit: f64,
 }
 
-/// Exposure of a camera, as `UsdGeomCamera` has it: its linear scale is responsivity · time · iso / 100 · 2^exposure /
-/// f-stop².
+/// Exposure of a camera, as `UsdGeomCamera` defines it: its linear scale is responsivity · time · iso / 100 ·
+/// 2^exposure / f-stop².
 #[derive(Clone, Copy, Debug)]
 pub struct Exposure {
     /// Sensitivity.
     pub iso: f64,
-    /// Time, s.
+    /// Exposure time, s.
     pub time: f64,
     /// Compensation, stops.
     pub stops: f64,
     /// Response to light.
     pub responsivity: f64,
-    /// f-number of a lens without loss that lights the middle of the film as much as this one, at this focus.
+    /// f-number of a lossless lens that lights the middle of the film as much as this lens does at this focus.
     pub fstop: f64,
 }
 
@@ -61,9 +61,9 @@ pub fn opencv_yaml(fitted: &Fitted, rms: f64) -> String {
     )
 }
 
-/// Writes a sample of `OpenTrackIO`: distortion in both directions, D-U first, for radii in mm.
+/// Writes a sample of `OpenTrackIO` with the distortion in both directions, D-U first, for radii in mm.
 ///
-/// `undistorted` is the model of the other direction, [`Model::OpenCvRational`], of the same rays.
+/// `undistorted` is the model of the other direction, [`Model::OpenCvRational`], fitted to the same rays.
 pub fn opentrackio_json(
     lens: &LensData<'_>,
     fitted: &Fitted,
@@ -73,7 +73,8 @@ pub fn opentrackio_json(
     let film = fitted.held.film;
     let [width, height] = film.sides();
     let scale = fitted.focal_length();
-    // The ratio of the undistorted picture to the film, and that of the lens's picture to its part on the film.
+    // Ratios of the undistorted picture to the film; their reciprocals are those of the lens's picture to its part on
+    // the film.
     let ratios = fitted.held.rings[1..].iter().map(|ring| scale * ring.angle.tan() / ring.radius);
     let overscan = ratios.clone().fold(1.0, f64::max);
     let other = ratios.map(f64::recip).fold(1.0, f64::max);
@@ -102,7 +103,7 @@ pub fn opentrackio_json(
         value["lens"]["tStop"] = json!(tnumber);
     }
     let distance = rays.in_focus - film.z;
-    // The schema has no infinity, so a lens focused there has no such entry.
+    // The schema has no infinity, so a lens focused at infinity has no such entry.
     if distance.is_finite() {
         value["lens"]["focusDistance"] = json!(distance / 1000.0);
     }
@@ -115,7 +116,8 @@ pub fn opentrackio_json(
 /// Distance that represents infinity in files without infinity, mm.
 const INFINITY: f64 = 1e9;
 
-/// Writes the camera of a USD file: the attributes of `UsdGeomCamera`, lengths of the film in tenths of a unit.
+/// Writes the camera of a USD file: the attributes of `UsdGeomCamera`, with lengths of the film in tenths of a world
+/// unit.
 fn camera(lens: &LensData<'_>, rays: &ChiefField) -> String {
     let tenth = 0.1 * lens.mm_per_unit;
     let film = rays.film;
@@ -131,8 +133,8 @@ fn camera(lens: &LensData<'_>, rays: &ChiefField) -> String {
     )
 }
 
-/// Writes a USD file with a camera, to be referenced or copied: its origin is the projection centre, and it looks along
-/// -z.
+/// Writes a USD file with a camera that other files can reference or copy. The camera's origin is the projection
+/// centre, and it looks along -z.
 fn stage(lens: &LensData<'_>, schema: &str, attributes: &str) -> String {
     format!(
         "#usda 1.0\n(\n    defaultPrim = \"Camera\"\n    metersPerUnit = {}\n    upAxis = \"Y\"\n)\n\ndef Camera \
@@ -186,7 +188,8 @@ pub fn usda(
     stage(lens, "", &text)
 }
 
-/// Writes NVIDIA's f-theta camera: `UsdGeomCamera` with `OmniLensDistortionFthetaAPI`, angles by radii in pixels.
+/// Writes NVIDIA's f-theta camera: `UsdGeomCamera` with `OmniLensDistortionFthetaAPI`, which gives angles as a
+/// function of radii in pixels.
 pub fn ftheta_usda(lens: &LensData<'_>, fitted: &Fitted) -> String {
     let mut text = camera(lens, &fitted.held);
     let [width, height] = fitted.held.film.size.map(f64::from);

@@ -1,4 +1,4 @@
-//! The Rust host: the parts of a renderer around a camera from a shared library.
+//! The host in Rust: the parts of a renderer around a camera from a shared library.
 
 pub mod plugin;
 pub mod render;

@@ -1,25 +1,26 @@
-//! Reconstruction filters: from the mean of each pixel's samples to the picture.
+//! Reconstruction filters, which compute the picture from the mean of each pixel's samples.
 
 use super::picture::Picture;
 use clap::ValueEnum;
 
-/// Samples in the weighted mean of a pixel.
+/// The samples in the weighted mean of a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Filter {
-    /// Its own samples.
+    /// The pixel's own samples.
     #[default]
     Box,
-    /// Also those of its neighbours, by [`WEIGHTS`] along rows and columns: a standard deviation of 0.58 pixels.
-    /// Contrast at half a cycle per pixel is 0.32; of a Gaussian filter with a standard deviation of half a pixel, the
-    /// default of Mitsuba 3, it is 0.29. Independent noise is 0.59 times the pixel's own.
+    /// Also the samples of its neighbours, with [`WEIGHTS`] along rows and columns: a standard deviation of 0.58
+    /// pixels. Contrast at half a cycle per pixel is 0.32; a Gaussian filter with a standard deviation of half a
+    /// pixel, the default of Mitsuba 3, has 0.29. Independent noise is 0.59 times the noise of the unfiltered pixel.
     Smooth,
 }
 
-/// Weights of a pixel and of the next on either side.
+/// Weights of a pixel and of the next pixel on either side.
 const WEIGHTS: [f32; 2] = [0.75, 0.125];
 
 impl Filter {
-    /// Returns the part that must be rendered for a part of a picture: first and last columns and rows.
+    /// Returns the part of a picture that must be rendered so that the given part can be filtered, both as x from, y
+    /// from, x to, y to.
     pub fn around(self, [x0, y0, x1, y1]: [u32; 4], [width, height]: [u32; 2]) -> [u32; 4] {
         match self {
             Self::Box => [x0, y0, x1, y1],
@@ -29,8 +30,8 @@ impl Filter {
         }
     }
 
-    /// Returns the filtered part of a picture, of which `rendered` has its top left pixel at `corner`. At the edge of
-    /// the film, which has no neighbours beyond it, the other pixels have larger weights.
+    /// Returns the filtered part of a picture. `corner` is the position of the top left pixel of `rendered` in the
+    /// picture. At the edge of the film, which has no neighbours beyond it, the other pixels have larger weights.
     pub fn applied(self, rendered: &Picture, corner: [u32; 2], [x0, y0, x1, y1]: [u32; 4]) -> Picture {
         let [own, next] = match self {
             Self::Box => [1.0, 0.0],

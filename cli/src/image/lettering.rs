@@ -4,10 +4,10 @@ use super::picture::Picture;
 use tiny_skia::{FillRule, Mask, Path, PathBuilder, Transform};
 use ttf_parser::{Face, OutlineBuilder};
 
-/// DejaVu Sans Condensed, some of its characters (`assets/README.md`).
+/// Some characters of DejaVu Sans Condensed (`assets/README.md`).
 static FONT: &[u8] = include_bytes!("../../assets/letters.ttf");
 
-/// Returns the outlines of a text on one line and its width. The base line begins at the origin and y grows downward;
+/// Returns the outlines of a text on one line and its width. The baseline begins at the origin and y grows downward;
 /// `size` is the height of a line in pixels, without leading. A box replaces a character that the font lacks.
 pub fn outline(text: &str, size: f32) -> (Option<Path>, f32) {
     let face = Face::parse(FONT, 0).expect("the font is whole");
@@ -21,8 +21,8 @@ pub fn outline(text: &str, size: f32) -> (Option<Path>, f32) {
     (pen.path.finish(), pen.left)
 }
 
-/// Writes a text into a picture, in the middle of the line from `left` to `right` whose base line is at `y`.
-/// Parts outside the picture are cut off.
+/// Writes a text into a picture, centred between `left` and `right`, with its baseline at `y`. Parts outside the
+/// picture are cut off.
 pub fn write(picture: &mut Picture, text: &str, [left, right, y]: [f32; 3], size: f32, colour: [f32; 3]) {
     let [width, height] = picture.size;
     let (Some(path), length) = outline(text, size) else { return };

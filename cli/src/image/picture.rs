@@ -8,7 +8,7 @@ use std::fmt::Display;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
-/// Linear colour, rows from the top, each from the left.
+/// A picture in linear colour: rows from the top, each row from the left.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
     /// Width and height in pixels.
@@ -17,7 +17,7 @@ pub struct Picture {
     pub pixels: Vec<[f32; 3]>,
 }
 
-/// Largest number of pixels of a picture across or down.
+/// Largest width and largest height of a picture, pixels.
 pub const LARGEST_SIDE: u32 = 16_384;
 
 /// Checks that the memory for a picture of this size can be allocated, before work on it begins: a failed allocation
@@ -40,7 +40,7 @@ pub fn check_memory([width, height]: [u32; 2], bytes_per_pixel: u64) -> Result<(
     )))
 }
 
-/// The conversion from light to a screen's value.
+/// The conversion from linear light to the value that a screen displays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tone {
     /// Factor, applied first.
@@ -49,7 +49,7 @@ pub struct Tone {
     pub curve: Curve,
 }
 
-/// The tone curve up to and above a screen's white, which is 1.
+/// The tone curve below and above a screen's white, which is 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Curve {
     /// Clips above white.
@@ -62,7 +62,7 @@ pub enum Curve {
 const KNEE: f32 = 0.45;
 
 impl Tone {
-    /// Values for the screen, unchanged.
+    /// No conversion, for values that are already the screen's.
     pub const SHOWN: Self = Self { scale: 1.0, curve: Curve::Straight };
 
     /// Returns the screen's value for a picture's value.
@@ -78,7 +78,7 @@ impl Tone {
     }
 }
 
-/// The file format, by its ending.
+/// The format of a picture file, known from the ending of its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
     /// 8 bits per channel, sRGB, values above 1 clipped.
@@ -88,10 +88,10 @@ pub enum Format {
 }
 
 impl Format {
-    /// Returns the format for a path; standard output takes a .png.
+    /// Returns the format for a path; standard output gets a PNG.
     ///
     /// # Errors
-    /// The ending is neither; the message states both.
+    /// The ending is neither .png nor .exr; the message states both.
     pub fn of(path: &Path) -> Result<Self, String> {
         if files::is_stdout(path) {
             return Ok(Self::Png);
@@ -141,7 +141,7 @@ impl Picture {
         }
     }
 
-    /// Writes the file. `tone` converts the values to the screen's, for PNG only.
+    /// Writes the file. For PNG only, `tone` converts the values to the screen's.
     ///
     /// # Errors
     /// The file cannot be written; the message names it.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-/// 8-bit sRGB, rows from the top, each from the left.
+/// A picture in 8-bit sRGB: rows from the top, each row from the left.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SrgbImage {
     /// Width and height in pixels.
@@ -27,7 +27,7 @@ impl SrgbImage {
         self.png_with(colours, None, None)
     }
 
-    /// Encodes the picture as a PNG file with a text, which has a keyword, and a chunk of another kind.
+    /// Encodes the picture as a PNG file with a text chunk, given by keyword and text, and a chunk of another type.
     pub fn png_with(
         &self,
         colours: Colours,
@@ -77,8 +77,8 @@ impl SrgbImage {
         writer.finish()
     }
 
-    /// Returns the most frequent colours, as red, green and blue, and for each pixel the index of the nearest
-    /// among them.
+    /// Returns the most frequent colours, as red, green and blue, and for each pixel the index of the nearest of
+    /// these colours.
     fn indexed(&self) -> (Vec<u8>, Vec<u8>) {
         let mut counts: BTreeMap<[u8; 3], u32> = BTreeMap::new();
         self.pixels.iter().for_each(|colour| *counts.entry(*colour).or_default() += 1);

@@ -1,8 +1,10 @@
-//! A tile: part of a picture, with its position in the whole and a description of the whole, in both file formats.
+//! Tiles: parts of a picture, each with its position in the whole picture and a description of that picture, in both
+//! file formats.
 //!
-//! Both formats have a text, which [`Origin`] writes and reads, with a checksum of text and pixels, because EXR files
-//! have none of their own. For other programs the position is also in the format's own field: in an EXR file's data and
-//! display window, in a PNG file's oFFs chunk (PNG extensions 1.6).
+//! Files of both formats hold a text, which [`Origin`] writes and reads. It ends in a checksum of the text and the
+//! pixels, because EXR has no checksum of its own. For other programs, the position is also in the field that the
+//! format provides: the data window and display window of an EXR file, or the oFFs chunk of a PNG file (PNG
+//! extensions 1.6).
 
 use super::picture::{Format, LARGEST_SIDE, Picture, Tone};
 use super::srgb::Colours;
@@ -28,7 +30,7 @@ pub struct Origin {
     pub whole: [u32; 2],
     /// Columns and rows of the tile: x from, y from, x to, y to.
     pub crop: [u32; 4],
-    /// Subject and settings of the picture, each a name with its value; tiles of one picture have the same.
+    /// Subject and settings of the picture, as pairs of name and value; all tiles of one picture have the same ones.
     pub settings: Vec<(String, String)>,
 }
 
@@ -74,7 +76,7 @@ impl Display for Origin {
 }
 
 impl Origin {
-    /// Parses a text; `None` if it is not a tile's.
+    /// Parses the text of a tile; `None` for any other text.
     fn read(text: &str) -> Option<Self> {
         fn numbers<const N: usize>(text: &str) -> Option<[u32; N]> {
             let numbers: Option<Vec<u32>> = text.split(',').map(|number| number.parse().ok()).collect();
@@ -91,8 +93,8 @@ impl Origin {
         Some(Self { whole, crop, settings: settings.lines().map(setting).collect::<Option<_>>()? })
     }
 
-    /// Returns the text of a tile with these pixels: the output of [`Display`], and on a last line the CRC-32 of that
-    /// and the pixels.
+    /// Returns the text of a tile with these pixels: the output of [`Display`], then a last line with the CRC-32 of
+    /// that output and the pixels.
     fn with_sum<P: Sample>(&self, pixels: &[[P; 3]]) -> String {
         let text = self.to_string();
         let sum = checksum(&text, pixels);
@@ -114,7 +116,7 @@ fn checksum<P: Sample>(text: &str, pixels: &[[P; 3]]) -> u32 {
     sum.finalize()
 }
 
-/// Writes a picture as a tile. `tone` converts its values to the screen's, for PNG only.
+/// Writes a picture as a tile. For PNG only, `tone` converts the values to the screen's.
 ///
 /// # Errors
 /// The file cannot be written; the message names it.
@@ -153,7 +155,7 @@ fn exr(picture: &Picture, origin: &Origin) -> exr::error::Result<Vec<u8>> {
     Ok(file.into_inner())
 }
 
-/// Reads a tile from a PNG file: 8-bit sRGB.
+/// Reads a tile in 8-bit sRGB from a PNG file.
 ///
 /// # Errors
 /// No such file, a file of another kind, a picture that is not a tile, a tile cut by another program or damaged, or too
@@ -174,7 +176,7 @@ pub fn read_png(path: &Path) -> Result<Tile<[u8; 3]>, Failure> {
     claim.tile(pixels)
 }
 
-/// Reads a tile from an EXR file: linear.
+/// Reads a tile in linear colour from an EXR file.
 ///
 /// # Errors
 /// As for [`read_png`].
@@ -231,7 +233,7 @@ fn damaged(path: &Path, kind: &str, error: &dyn Display) -> Failure {
     Failure::Other(format!("{} is no whole {kind} file: {error}; render it again", path.display()))
 }
 
-/// A file's description of itself, before its pixels are read.
+/// The description in a file, before its pixels are read.
 struct Claim<'a> {
     path: &'a Path,
     origin: Origin,

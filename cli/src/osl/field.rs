@@ -1,7 +1,8 @@
-//! The points of the sampling plane that send light to a film point: the library's map of its pupil, by its outline.
+//! The points of the sampling plane that send light to a film point, by the outline of the library's map of its
+//! pupil.
 //!
-//! A film point is given by its field σ = r/B: its distance r from the axis over the distance B of the film from the
-//! sampling plane. As a function of σ the pupil hardly changes with the focus.
+//! A film point is given by its field σ = r/B, where r is its distance from the axis and B is the distance from the
+//! film to the sampling plane. As a function of σ, the pupil hardly changes with the focus.
 
 use super::optics::Optics;
 use super::region::Region;
@@ -13,15 +14,16 @@ use realistic_optics::trace::Path;
 #[derive(Debug)]
 pub struct Field {
     pupil: WarpedPupil,
-    /// Film to sampling plane, mm.
+    /// Distance from the film to the sampling plane, mm.
     distance: f64,
-    /// Distance from the axis of the farthest film point requested, mm.
+    /// Distance from the axis to the farthest requested film point, mm.
     reach: f64,
 }
 
 impl Field {
-    /// Makes the field for film `distance` mm from the sampling plane, for film points up to `reach` mm from the axis;
-    /// `lens` is that of `optics` at a focus, or the same at another wavelength. `None` if the film touches the lens.
+    /// Makes the field for a film `distance` mm from the sampling plane, for film points up to `reach` mm from the
+    /// axis. `lens` is the lens of `optics` at a focus, or that lens at another wavelength. `None` if the film
+    /// touches the lens.
     pub fn of(optics: &Optics, lens: &Lens, distance: f64, reach: f64) -> Option<Self> {
         let film = lens.rear().vertex - (distance - optics.plane);
         let cover = PupilDisk::rear(lens, film, reach)?;
@@ -30,13 +32,13 @@ impl Field {
         Some(Self { pupil, distance, reach })
     }
 
-    /// Returns the field up to which film gets light, and whether it is dark beyond.
+    /// Returns the field up to which the film gets light, and whether the film is dark beyond it.
     pub fn end(&self) -> (f64, bool) {
         let dark = self.pupil.image_radius().filter(|radius| *radius <= self.reach);
         (dark.unwrap_or(self.reach) / self.distance, dark.is_some())
     }
 
-    /// Returns the pupil of field σ; `None` if it is dark.
+    /// Returns the pupil of field σ; `None` if the film point gets no light.
     pub fn pupil(&self, field: f64) -> Option<Region> {
         let point = field * self.distance;
         Region::of(|on_circle| {

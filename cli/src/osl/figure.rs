@@ -1,4 +1,4 @@
-//! OSL text of an aspheric surface: Newton's method on the implicit figure, then Snell's law at its normal.
+//! OSL text of an aspheric surface: Newton's method on the implicit figure, then Snell's law at the surface's normal.
 //!
 //! In the frame of the vertex, with w = z - T(r²) and q = 1 - κ c w, the figure is (c/2) r² - w (1 + q)/2 = 0, and its
 //! normal is (-m x, -m y, q) with m = c + 2 q dT/dr², so no square root is needed before the intersection is found.
@@ -11,19 +11,19 @@ use std::fmt::Write as _;
 
 /// Largest number of Newton steps.
 const STEPS: u32 = 12;
-/// Step, in clear semi-diameters, at which they end: four times the rounding error of a coordinate.
+/// Step, in clear semi-diameters, below which the iteration ends: four times the rounding error of a coordinate.
 const SMALL: f64 = 2.5e-7;
-/// Step, in clear semi-diameters, beyond which no surface was found.
+/// Step, in clear semi-diameters, above which the iteration has found no surface.
 const FAILED: f64 = 1e-3;
 
 /// n cos θ before and behind a surface, and its unit normal, in the variables of [`surface`].
 pub const MEETING: ([&str; 2], [&str; 3]) = (["g", "f"], ["-k*x", "-k*y", "q"]);
 
-/// Writes the code that moves the ray to the surface, tests it against `limit` and refracts it with `step` = n'² - n²;
-/// `light` precedes the refraction.
+/// Writes the code that moves the ray to the surface, tests it against `limit` and refracts it with `step` = n'² -
+/// n². The code in `light` precedes the refraction.
 pub fn surface(text: &mut String, surface: &Surface, limit: &str, step: &str, light: &str) {
     let figure = surface.figure.as_ref().expect("an asphere");
-    // The figure measures z toward the film, the ray toward the scene.
+    // The figure measures z toward the film, and the ray measures it toward the scene.
     let asphere = &figure.asphere;
     let c = number(-asphere.radius.recip());
     let bent = number(-(1.0 + asphere.conic) * asphere.radius.recip());
@@ -63,7 +63,7 @@ pub fn surface(text: &mut String, surface: &Surface, limit: &str, step: &str, li
                 slope += &"*p".repeat(power / 2 - 1);
             }
         }
-        // Beyond the clear aperture a difference is added that is exactly 0 within it.
+        // Beyond the clear aperture, the code adds a difference that is exactly 0 within it.
         let _ = writeln!(
             text,
             "    k = {slope};\n    f = z - ({value} + k*max(r2 - {}, 0.0));",

@@ -1,6 +1,6 @@
-//! Dispersion in a shader: each glass's index as a polynomial, and the colour of a wavelength.
+//! Dispersion in a shader: the index of each glass as a polynomial, and the colour of a wavelength.
 //!
-//! A wavelength of λ nm is represented by w, -1 at the red end and 1 at the blue one, linear in 1/λ².
+//! A wavelength of λ nm is represented by w, which is -1 at the red end, 1 at the blue end, and linear in 1/λ².
 
 use super::polynomial::{Polynomial, fit};
 use super::text::number;
@@ -9,11 +9,11 @@ use realistic_optics::prescription::Prescription;
 
 /// Range of wavelengths of a spectral shader, nm.
 pub const ENDS: [f64; 2] = [420.0, 680.0];
-/// Wavelengths at which indices are sampled, and terms of their fit.
+/// Number of wavelengths at which indices are sampled, and of terms of their fit.
 const SAMPLES: usize = 27;
 const TERMS: usize = 5;
 
-/// Returns the polynomial of w for the medium on the film's side of each surface; `None` for air.
+/// Returns the polynomial in w for the medium on the film's side of each surface; `None` for air.
 pub fn indices(prescription: &Prescription) -> Vec<Option<Polynomial<TERMS>>> {
     let numbers: Vec<f64> = (0..SAMPLES).map(|i| 2.0 * i as f64 / (SAMPLES - 1) as f64 - 1.0).collect();
     let lenses: Vec<Lens> = numbers.iter().map(|&w| Lens::new(prescription, wavelength(w))).collect();
@@ -25,13 +25,13 @@ pub fn indices(prescription: &Prescription) -> Vec<Option<Polynomial<TERMS>>> {
         .collect()
 }
 
-/// Returns the wavelength of w, nm.
+/// Returns the wavelength that w represents, nm.
 fn wavelength(w: f64) -> f64 {
     let [blue, red] = ENDS.map(|end| 1.0 / (end * end));
     ((red + blue) / 2.0 + w * (blue - red) / 2.0).sqrt().recip()
 }
 
-/// Declares the index of every glass at the wavelength `nm`, as n3 for the third row's.
+/// Declares the index of every glass at the wavelength `nm`; the medium behind the third row has the index n3.
 pub fn declarations(indices: &[Option<Polynomial<TERMS>>]) -> String {
     let [blue, red] = ENDS.map(|end| 1.0 / (end * end));
     let (scale, shift) = (2.0 / (blue - red), -(blue + red) / (blue - red));
@@ -48,11 +48,11 @@ pub fn declarations(indices: &[Option<Polynomial<TERMS>>]) -> String {
     text
 }
 
-/// Returns the functions of a spectral shader: a wavelength's colour, whose mean over equally likely wavelengths is
-/// white. Red, green and blue are three smooth spectra that add up to 1, so colours of the scene stay unchanged for a
-/// lens without colour errors.
+/// Returns the functions of a spectral shader, which give the colour of a wavelength. The mean colour over equally
+/// likely wavelengths is white. Red, green and blue are three smooth spectra that add up to 1, so a lens without
+/// colour errors leaves the colours of the scene unchanged.
 pub fn colour() -> String {
-    // Ranges of nm in which one spectrum blends into the next.
+    // Ranges in nm over which one spectrum blends into the next.
     let (to_green, to_red) = ([470.0, 520.0], [565.0, 610.0_f64]);
     let [first, last] = ENDS;
     let middle = |ends: [f64; 2]| f64::midpoint(ends[0], ends[1]);

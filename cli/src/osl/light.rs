@@ -1,8 +1,8 @@
-//! OSL text of a lens's transmission: Fresnel's equations and thin films by the transfer matrix, the polarisation from
-//! surface to surface, and the absorption of glass between them.
+//! OSL text of a lens's transmission: Fresnel's equations and thin films by the transfer matrix, the change of
+//! polarisation from surface to surface, and the absorption of the glass between them.
 //! The method is that of the library (`docs/light.md`), without a fit. The trace has n cos θ on both sides of a
-//! surface, which is the only input that the matrix needs from a ray. Each stack is written once as a function of the
-//! shader, and so is a surface's effect on the Stokes vector; a surface of the trace calls its stack. The absorption
+//! surface, which is all that the matrix needs from a ray. Each stack becomes one function of the shader, and so does
+//! a surface's effect on the Stokes vector; each surface in the trace calls the function of its stack. The absorption
 //! coefficient of a glass is the library's, with the knots of its cubics.
 
 use super::text::{array, number};
@@ -15,7 +15,7 @@ use std::f64::consts::TAU;
 #[derive(Debug)]
 pub struct Light<'a> {
     coatings: &'a [SurfaceCoating],
-    /// The distinct stacks, each from the air on; empty for a bare surface.
+    /// The distinct stacks, each listed from the air on; empty for a bare surface.
     stacks: Vec<Vec<Layer>>,
     absorbers: &'a Absorbers,
     /// Wavelength, nm; `None` if each sample has its own.
@@ -90,7 +90,7 @@ impl<'a> Light<'a> {
         Self { coatings, stacks, absorbers, wavelength }
     }
 
-    /// Returns the functions of the stacks, and those of the absorbing glasses if each sample has its own wavelength.
+    /// Returns the functions of the stacks, and of the absorbing glasses if each sample has its own wavelength.
     pub fn functions(&self) -> String {
         let stacks = self.stacks.iter().enumerate().map(|(i, stack)| self.function(i, stack));
         let curves = self.absorbers.curves().iter().enumerate().filter(|_| self.wavelength.is_none());
@@ -99,8 +99,8 @@ impl<'a> Light<'a> {
             + &curves.map(|(glass, own)| curve(glass, own)).collect::<String>()
     }
 
-    /// Returns the absorption coefficient, 1/mm, of the medium behind the surface with this index; `None` without
-    /// absorption.
+    /// Returns the absorption coefficient, 1/mm, of the medium behind the surface with this index; `None` if the
+    /// medium does not absorb.
     pub fn absorption(&self, row: usize) -> Option<String> {
         let glass = self.absorbers.behind(row)?;
         let Some(nm) = self.wavelength else { return Some(format!("absorbs{glass}(nm)")) };
@@ -108,7 +108,8 @@ impl<'a> Light<'a> {
         (own > 0.0).then(|| number(own))
     }
 
-    /// Returns the function of a stack between n cos θ = a and b, a in the medium of its first layer.
+    /// Returns the function of a stack between media with n cos θ = a and n cos θ = b; a belongs to the medium next
+    /// to the first layer.
     fn function(&self, i: usize, stack: &[Layer]) -> String {
         let layers: String = stack
             .iter()
@@ -159,7 +160,7 @@ impl<'a> Light<'a> {
             return String::new();
         }
         let Meeting { cosines: [a, b], squares: [aa, bb], normal: [x, y, z] } = meeting;
-        // The rays come from the film's side. The layers are listed from the air, the rarer side.
+        // The rays come from the film's side. The layers are listed from the air, which is the medium of lower index.
         let sides = if surface.n_film < surface.n_scene {
             format!("{a}, {b}, {aa}, {bb}")
         } else {
@@ -198,7 +199,7 @@ fn curve(glass: usize, absorption: &InternalTransmittance) -> String {
     )
 }
 
-/// Returns the layers of a surface from the air on.
+/// Returns the layers of a surface, from the air on.
 fn stack(surface: &Surface, coating: &SurfaceCoating) -> Vec<Layer> {
     let is_coated = !coating.layers([surface.n_scene, surface.n_film]).is_empty();
     if is_coated { coating.from_air() } else { Vec::new() }

@@ -1,9 +1,9 @@
 //! A lens as a camera of Blender: the text of an OSL shader that traces it.
 //!
-//! The input is a lens file (`stations`: its groups, zoomed; `optics`: focus and stop; `field`, `region`, `table`,
-//! `stop`: the library's map of the pupil, as a table small enough for a shader). The output is OSL (`numbers`,
-//! `trace`, `figure`, `glass`, `light`, `pupil`, `shader`). OSL cameras work in metres with +z forward and +y up; the
-//! shader works in millimetres in lens space.
+//! The input is a lens file. `stations` has its groups at several positions of the zoom, and `optics` its focus and
+//! stop; `field`, `region`, `table` and `stop` turn the library's map of the pupil into a table small enough for a
+//! shader. The output is OSL (`numbers`, `trace`, `figure`, `glass`, `light`, `pupil`, `shader`). OSL cameras work in
+//! metres with +z forward and +y up; the shader works in millimetres in lens space.
 
 mod field;
 mod figure;

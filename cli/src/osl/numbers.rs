@@ -1,5 +1,5 @@
-//! Numbers of a shader that change as the lens zooms. A constant is a literal; any other number is an element of an
-//! array that the shader computes for the focal length, by parabolas through three stations.
+//! Numbers of a shader that change as the lens zooms. A constant becomes a literal. Any other number becomes an
+//! element of an array, which the shader computes for its focal length by parabolas through three stations.
 
 use super::text::{array, number};
 
@@ -16,7 +16,7 @@ impl Numbers {
         Self { stations, columns: Vec::new() }
     }
 
-    /// Returns the text of a number that has these values at the stations.
+    /// Returns the text of a number with the given values at the stations.
     pub fn text(&mut self, values: impl IntoIterator<Item = f64>) -> String {
         let values: Vec<f64> = values.into_iter().collect();
         debug_assert_eq!(values.len(), self.stations, "one per station");
@@ -27,14 +27,15 @@ impl Numbers {
         format!("C[{}]", self.columns.len() - 1)
     }
 
-    /// Adds a block of numbers and returns its start in the array; each row is a station's.
+    /// Adds a block of numbers and returns the index of its first element in the array; each row belongs to a
+    /// station.
     pub fn block(&mut self, rows: &[Vec<f64>]) -> usize {
         let start = self.columns.len();
         self.columns.extend((0..rows[0].len()).map(|i| rows.iter().map(|row| row[i]).collect()));
         start
     }
 
-    /// Returns the text of a polynomial in `variable` whose coefficients, by rising power, each station has.
+    /// Returns the text of a polynomial in `variable`; each row has the coefficients at one station, by rising power.
     pub fn polynomial(&mut self, rows: &[&[f64]], variable: &str) -> String {
         let most = (0..rows[0].len()).rev().find(|&i| rows.iter().any(|row| row[i] != 0.0)).unwrap_or(0);
         let highest = self.text(rows.iter().map(|row| row[most]));
@@ -44,8 +45,8 @@ impl Numbers {
         })
     }
 
-    /// Declares `zoomed`, the position between the nodes of the zoom, and the array; `zooms` are the stations' focal
-    /// lengths. Empty for a lens that does not zoom.
+    /// Declares the array and `zoomed`, the position between the nodes of the zoom. `zooms` are the focal lengths of
+    /// the stations. Returns an empty text for a lens that does not zoom.
     pub fn declarations(&self, zooms: &[f64]) -> String {
         if self.stations == 1 {
             return String::new();

@@ -1,11 +1,12 @@
-//! The optics that a shader needs before it traces a lens: the position of the film for an object's distance and a
-//! stop, and the plane in which it samples the pupil.
+//! The optics that a shader needs before it traces a lens: the position of the film for an object distance and a
+//! stop, and the plane in which the shader samples the pupil.
 //!
-//! Takes a lens at its widest stop; returns its first-order optics, and the film distance of sharpest focus (as in
-//! `realistic_optics::imaging::focus`) as a polynomial of two variables.
+//! The input is a lens at its widest stop. The output is its first-order optics, and the film distance of sharpest
+//! focus (as in `realistic_optics::imaging::focus`) as a polynomial in two variables.
 //!
-//! The focus f runs from 0, infinity, to 1, the nearest: f = u / `nearest`, with u = 1/(z - F), where z is the object
-//! plane and F the front focal point, or the front vertex if groups focus. The stop s runs from 0 to 1, the widest.
+//! The focus f runs from 0 at infinity to 1 at the nearest object: f = u / `nearest`, with u = 1/(z - F), where z is
+//! the object plane and F is the front focal point, or the front vertex if groups focus. The stop s runs from 0 to 1,
+//! the widest.
 
 use super::polynomial::{Polynomial, fit};
 use super::stations::Station;
@@ -14,17 +15,17 @@ use realistic_optics::imaging::focus::{AxialImage, Focus, FocusError};
 use realistic_optics::lens::pupil::{EntrancePupil, ExitPupil};
 use realistic_optics::lens::{Lens, first_order::FirstOrder};
 
-/// Magnification at the nearest focus of a lens that states no nearer one.
+/// Magnification at the nearest focus, unless the lens states a nearer one.
 const NEAREST_MAGNIFICATION: f64 = 0.15;
 /// Numbers of Chebyshev points of focus and stop at which the film distance is sampled for the fit.
 const FOCUS_POINTS: usize = 9;
 const STOP_POINTS: usize = 9;
-/// Stops whose film distances bound those of all.
+/// Stops whose film distances bound the film distances of all stops.
 const STOPS: [f64; 6] = [0.0, 0.2, 0.4, 0.6, 0.8, 1.0];
-/// Terms of the film distance in the focus and in the square of the stop.
+/// Number of terms of the film distance, in the focus and in the square of the stop.
 pub const FOCUS_TERMS: usize = 5;
 pub const STOP_TERMS: usize = 5;
-/// Terms of the stop over the beam's width in the square of that width.
+/// Number of terms of the ratio of stop to beam width, in the square of that width.
 pub const WIDTH_TERMS: usize = 4;
 
 /// A lens prepared for the generator.
@@ -35,27 +36,28 @@ pub struct Optics {
     /// The surface whose aperture the f-number sets, counted from the scene.
     pub stop: usize,
     pub focal_length: f64,
-    /// z from which an object's distance is measured for the focus: that of the scene-side focal point, or of the front
-    /// vertex if groups focus; mm.
+    /// z from which an object distance is measured for the focus, mm: the z of the scene-side focal point, or of the
+    /// front vertex if groups focus.
     pub focus_point: f64,
     /// f-number of the axial beam at the widest stop; smaller requested f-numbers have no effect.
     pub widest: f64,
-    /// The stop s over x, by powers of x², where x is the axial beam's diameter over that at the widest stop.
+    /// The ratio s/x by powers of x², where s is the stop and x is the axial beam's diameter as a share of that at
+    /// the widest stop.
     pub stop_per_width: Polynomial<WIDTH_TERMS>,
-    /// z of the entrance pupil, mm; that of the front vertex for a pupil at infinity.
+    /// z of the entrance pupil, mm; for a pupil at infinity, z of the front vertex.
     pub entrance: f64,
     /// u at the nearest focus, 1/mm.
     pub nearest: f64,
     /// Distance of the plane in which the pupil is sampled, mm in front of the last vertex.
     pub plane: f64,
-    /// Film distance, mm behind the last vertex: rows by powers of s², columns by powers of f.
+    /// Film distance, mm behind the last vertex: each row is a power of s², each column a power of f.
     pub film: [Polynomial<FOCUS_TERMS>; STOP_TERMS],
     /// Motion of the groups that focus; `None` if the whole lens moves.
     pub motion: Option<Motion>,
 }
 
-/// The motion of groups that focus, as functions of f: the gap behind each surface but the last, mm, and the stop's
-/// clear semi-diameter.
+/// The motion of the groups that focus, as functions of f: the gap behind each surface except the last, mm, and the
+/// stop's clear semi-diameter.
 #[derive(Clone, Debug)]
 pub struct Motion {
     pub gaps: Vec<Polynomial<FOCUS_TERMS>>,
@@ -63,7 +65,8 @@ pub struct Motion {
 }
 
 impl Optics {
-    /// Computes the optics of a lens that focuses as near as `stated` mm in front of its front vertex, if given.
+    /// Computes the optics of a lens; `stated` is its nearest object distance, mm in front of the front vertex, if
+    /// its file states one.
     ///
     /// # Errors
     /// The lens cannot focus.
@@ -77,20 +80,21 @@ impl Optics {
         let entrance = EntrancePupil::of_surface(lens, stop);
         // The object stays in front of the lens.
         let room = 0.25 * focal_length - first_order.front_focal_point;
-        // Gaps are nearly linear in the vergence at the front vertex; the film's distance is nearly linear in that at
-        // the focal point.
+        // Gaps are nearly linear in the vergence at the front vertex; the film distance is nearly linear in the
+        // vergence at the focal point.
         let focus_point = if station.focuses_by_groups() { 0.0 } else { first_order.front_focal_point };
         let stated = stated.map(|object| object - focus_point).filter(|ahead| *ahead > 0.0);
         let nearest = match stated {
-            // Groups do not focus nearer.
+            // Groups do not focus nearer than stated.
             Some(ahead) if station.focuses_by_groups() => 1.0 / ahead,
             _ => (NEAREST_MAGNIFICATION / focal_length)
                 .max(stated.map_or(0.0, |ahead| (1.0 / ahead).min(1.0 / focal_length)))
                 .min(1.0 / room.max(1e-3 * focal_length)),
         };
         let back = focus.film_distance(f64::INFINITY)?;
-        // Any plane works; in the plane of the pupil its outline hardly changes with field and focus. A distant plane
-        // replaces that of a pupil at infinity, or behind the film, which is beyond infinity.
+        // Any plane works; in the plane of the pupil, the pupil's outline hardly changes with field and focus. A
+        // distant plane replaces the plane of a pupil that is at infinity or behind the film, which is beyond
+        // infinity.
         let vergence = ExitPupil::of_surface(lens, stop).vergence(lens.rear().vertex - back);
         let vergence = vergence.clamp(0.2 / back.max(focal_length), 1.5 / back);
         let mut optics = Self {
@@ -111,7 +115,7 @@ impl Optics {
         Ok(optics)
     }
 
-    /// Returns the vergence, 1/mm in front of the front vertex, of the object at a focus.
+    /// Returns the vergence at the front vertex, 1/mm, of the object for a focus.
     fn vergence(&self, f: f64) -> f64 {
         let u = f * self.nearest;
         u / (1.0 + u * self.focus_point)
@@ -137,7 +141,7 @@ impl Optics {
         Some(Motion { gaps, stop_radius: of(&|lens: &Lens| lens.surfaces[self.stop].semi_diameter) })
     }
 
-    /// Returns the lens at a focus, with its groups at their positions for it.
+    /// Returns the lens at a focus, with its groups at the positions for that focus.
     pub fn focused(&self, f: f64) -> Lens {
         let mut lens = self.lens.clone();
         if let Some(motion) = &self.motion {
@@ -155,7 +159,7 @@ impl Optics {
         lens
     }
 
-    /// Returns the film distance of sharpest focus by exact rays, mm, at each focus.
+    /// Returns the film distance of sharpest focus for each focus, from exact rays, mm.
     pub fn exact_film_distances(&self, s: f64, focus: &[f64]) -> Vec<f64> {
         let image = |f: f64| {
             let mut lens = self.focused(f);
@@ -187,7 +191,7 @@ impl Optics {
         rows
     }
 
-    /// Returns the film distance of the fit, mm.
+    /// Returns the fitted film distance, mm.
     pub fn film_distance(&self, f: f64, s: f64) -> f64 {
         self.film.iter().rev().fold(0.0, |sum, row| sum * s * s + row.at(f))
     }
@@ -198,9 +202,9 @@ impl Optics {
         [all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max)]
     }
 
-    /// Returns the lens at a node of the table, 0 to `last` from infinity to the nearest object, or between two nodes,
-    /// with the distance from the film to the sampling plane, mm. Nodes of a lens that moves as a whole have equal
-    /// steps of 1/distance.
+    /// Returns the lens at a node of the table, or between two nodes, and the distance from the film to the sampling
+    /// plane, mm. Nodes run from 0 for infinity to `last` for the nearest object. Nodes of a lens that moves as a
+    /// whole are equally spaced in 1/distance.
     pub fn at_node(&self, focus: f64, last: f64) -> (Lens, f64) {
         let share = focus / last;
         if self.motion.is_some() {
@@ -216,8 +220,8 @@ impl Optics {
     }
 }
 
-/// Fits the stop as a function of the axial beam's width, both as shares of the widest: the stop is the height of the
-/// beam's outermost ray in its plane.
+/// Fits the stop as a function of the axial beam's width, both as shares of their widest values. The stop is the
+/// height of the beam's outermost ray in the plane of the stop.
 fn stop_per_width(lens: &Lens, stop: usize, widest: f64) -> Polynomial<WIDTH_TERMS> {
     let squares = chebyshev(STOP_POINTS);
     let share = |square: &f64| {

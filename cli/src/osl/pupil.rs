@@ -1,5 +1,5 @@
-//! OSL text of the pupil's sampling. The function takes a field, a focus, a zoom, a stop and two random numbers; it
-//! returns a point of the sampling plane and the area that it represents.
+//! OSL text that samples the pupil. The shader's function takes a field, a focus, a zoom, a stop and two random
+//! numbers; it returns a point of the sampling plane and the area that the point represents.
 
 use super::numbers::Numbers as Moving;
 use super::optics::Optics;
@@ -8,10 +8,11 @@ use super::table::{FIELDS, FOCI, HEIGHTS, PupilNode, PupilTable};
 use super::text::{array, number};
 use std::fmt::Write as _;
 
-/// Numbers of a node: low, high, g, and those of the stop's image.
+/// Numbers per node: low, high and the values of g, and the numbers of the stop's image.
 const NODE: usize = 2 + HEIGHTS + STOP;
 const STOP: usize = 10;
-/// Numbers of the film's centre per focus: the radius at the widest stop, and the three of the stop's image.
+/// Numbers per focus for the film's centre: the pupil's radius at the widest stop, and three numbers of the stop's
+/// image.
 const AXIS: usize = 4;
 
 /// Returns the function `pupil`. For a zoom lens it has a parameter `zoomed`, too.
@@ -21,7 +22,7 @@ pub fn text(stations: &[Optics], table: &PupilTable) -> String {
     let nodes = table.nodes.iter().zip(images).flat_map(|(PupilNode { low, high, g }, image)| {
         [*low, *high].into_iter().chain(*g).chain(image).collect::<Vec<f64>>()
     });
-    // The table's numbers at this index of a node, interpolated.
+    // Each number of the table at this index of a node, interpolated.
     let corners = if zooms { 8 } else { 4 };
     let sum = |index: &str| {
         let terms: Vec<String> = (0..corners).map(|n| format!("w{n}*T[n{n}{index}]")).collect();
@@ -123,8 +124,8 @@ pub fn text(stations: &[Optics], table: &PupilTable) -> String {
     )
 }
 
-/// Returns the text that computes `opening`, the square of the radius of the pupil of the film's centre, mm², from `b`,
-/// `stop` and its square; and the array that it needs, if the lens does not zoom.
+/// Returns the text that computes `opening`, the square of the radius in mm of the pupil of the film's centre, from
+/// `b`, `stop` and the square of `stop`; and the array that this text needs, if the lens does not zoom.
 pub fn opening(stations: &[Optics], table: &PupilTable, numbers: &mut Moving) -> String {
     let rows: Vec<Vec<f64>> = stations
         .iter()
@@ -159,8 +160,8 @@ pub fn opening(stations: &[Optics], table: &PupilTable, numbers: &mut Moving) ->
     )
 }
 
-/// Returns the images of the stop at all nodes, wide enough that those interpolated between nodes of the zoom contain
-/// the true ones.
+/// Returns the images of the stop at all nodes, widened so that an image interpolated between two nodes of the zoom
+/// contains the true image.
 fn all_images(stations: &[Optics], table: &PupilTable) -> Vec<EggCoefficients> {
     let of = |(station, optics): (usize, &Optics)| -> Vec<EggCoefficients> {
         let foci = &table.stations[station].foci;
@@ -171,7 +172,7 @@ fn all_images(stations: &[Optics], table: &PupilTable) -> Vec<EggCoefficients> {
             .collect()
     };
     let all: Vec<Vec<EggCoefficients>> = stations.iter().enumerate().map(of).collect();
-    // Factor by which each node's image must be wider.
+    // Factor by which the image at each node must be widened.
     let mut widening = vec![vec![1.0_f64; FOCI * FIELDS]; all.len()];
     for between in (1..all.len()).step_by(2) {
         for (i, image) in all[between].iter().enumerate() {
@@ -184,7 +185,7 @@ fn all_images(stations: &[Optics], table: &PupilTable) -> Vec<EggCoefficients> {
                 let terms =
                     |image: &EggCoefficients, k: usize| image[k] + s2 * (image[k + 1] + s2 * image[k + 2]);
                 let mean = |k: usize| f64::midpoint(terms(ends[0], k), terms(ends[1], k));
-                // The widths are over s, the centre is not.
+                // The widths are divided by s; the centre is not.
                 let off = (terms(image, 0) - mean(0)).abs() / s;
                 let needed = ((terms(image, 3) + off) / mean(3)).max(terms(image, 6) / mean(6));
                 for node in [between - 1, between + 1] {
@@ -201,9 +202,9 @@ fn all_images(stations: &[Optics], table: &PupilTable) -> Vec<EggCoefficients> {
     all.flat_map(|(images, widening)| images.into_iter().zip(widening)).map(widened).collect()
 }
 
-/// Returns the images of the stop at the nodes of one focus. There is no limit from the first field on for which rays
-/// do not reach the stop's centre. Between a limit and no limit the shader interpolates a very loose limit, which
-/// excludes nothing.
+/// Returns the images of the stop at the nodes of one focus. From the first field on for which no ray reaches the
+/// stop's centre, the stop sets no limit. Between a field with a limit and a field without, the shader interpolates a
+/// limit so loose that it excludes nothing.
 fn images(view: &StopView, field_of: impl Fn(f64) -> f64) -> Vec<EggCoefficients> {
     let mut near = [0.0, 0.0];
     let mut images: Vec<EggCoefficients> = Vec::new();

@@ -1,22 +1,22 @@
-//! The region of the sampling plane that is a film point's pupil, by the upper half of its outline.
+//! The region of the sampling plane that is the pupil of a film point, represented by the upper half of its outline.
 //!
-//! The film point lies on +x, so that the region is symmetric about the x axis.
+//! The film point lies on +x, so the region is symmetric about the x axis.
 
 use std::f64::consts::PI;
 
 /// The outline above the x axis.
 #[derive(Clone, Debug)]
 pub struct Region {
-    /// Points from the greatest x counter-clockwise to the least.
+    /// Points counter-clockwise from the greatest x to the least.
     points: Vec<[f64; 2]>,
 }
 
-/// Points of the outline less one, over half a turn of the circle that is mapped to it.
+/// Number of points of the outline, minus one; they are images of points over half a turn of the unit circle.
 const DIRECTIONS: usize = 112;
 
 impl Region {
-    /// Returns the image of the unit disk under a map, which is evaluated at the edge; `None` if the map has
-    /// no image.
+    /// Returns the image of the unit disk under a map, from the map's values at the edge of the disk; `None` if the
+    /// map has no value there.
     pub fn of(map: impl Fn([f64; 2]) -> Option<[f64; 2]>) -> Option<Self> {
         let point = |i: usize| {
             let (sin, cos) = (PI * i as f64 / DIRECTIONS as f64).sin_cos();

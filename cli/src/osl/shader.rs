@@ -1,4 +1,4 @@
-//! The whole shader: its parameters, the functions of the other files and the body that calls them.
+//! The whole shader: its parameters, the functions from the other files, and the body that calls them.
 
 use super::glass;
 use super::light::Light;
@@ -16,14 +16,14 @@ use realistic_light::Absorbers;
 use realistic_optics::lens::Lens;
 use realistic_optics::prescription::{Prescription, SurfaceCoating};
 
-/// Largest number of surfaces of a shader.
+/// Largest number of surfaces in a shader.
 const MOST_SURFACES: usize = 64;
 
 /// The input of the shader generator.
 #[derive(Debug)]
 pub struct ShaderRequest<'a> {
     pub prescription: &'a Prescription,
-    /// The lens at its widest stop, at its focal lengths, and the index of the initial one.
+    /// The lens at its widest stop at each focal length, and the index of the initial focal length.
     pub stations: &'a [Station],
     pub start: usize,
     /// Distance from the axis beyond which film points get no light, mm.
@@ -32,7 +32,7 @@ pub struct ShaderRequest<'a> {
     pub spectral: bool,
     /// Coatings of the surfaces, from the scene on; `None` if transmission is ignored.
     pub coatings: Option<&'a [SurfaceCoating]>,
-    /// Whether the lens file describes how it zooms, and how groups move to focus.
+    /// Whether the lens file describes how the lens zooms, and how groups move to focus.
     pub could_zoom: bool,
     pub could_focus_by_groups: bool,
 }
@@ -80,7 +80,7 @@ impl OslCamera {
         let bright = |(optics, span): (&Optics, &Span)| {
             span.widest_field * (optics.film_distance(0.0, 1.0) + optics.plane)
         };
-        // For a zoom lens the smallest reach counts.
+        // For a zoom lens, the smallest reach of all stations applies.
         let reach = all.iter().zip(&table.stations).map(bright).fold(request.reach, f64::min);
         let optics = &all[start];
         let nearest = all.iter().map(Optics::nearest_object).fold(0.0, f64::max);
@@ -176,16 +176,17 @@ impl OslCamera {
     }
 }
 
-/// Returns the distance of the nearest object, mm in front of the front vertex, for which the lens file has a position.
+/// Returns the distance of the nearest object for which the lens file has a position, mm in front of the front
+/// vertex.
 fn nearest_stated(prescription: &Prescription) -> Option<f64> {
     let positions = prescription.positions.as_ref()?;
     positions.columns.iter().filter_map(|column| column.object_distance).reduce(f64::min)
 }
 
-/// Returns the gaps that change as the lens zooms or its groups focus, by the surface before them, with the largest
-/// value of each, mm; and whether the stop's clear semi-diameter changes.
+/// Returns the gaps that change as the lens zooms or its groups focus, each as the index of the surface before it and
+/// its largest value, mm. Also returns whether the stop's clear semi-diameter changes.
 fn moving(all: &[Optics]) -> (Vec<(usize, f64)>, bool) {
-    // Focus changes each value monotonically.
+    // Each value is monotonic in the focus.
     let lenses: Vec<Lens> =
         all.iter().flat_map(|optics| [0.0, 0.5, 1.0].map(|f| optics.focused(f))).collect();
     let changes = |value: &dyn Fn(&Lens) -> f64| {
@@ -199,7 +200,7 @@ fn moving(all: &[Optics]) -> (Vec<(usize, f64)>, bool) {
     (gaps, changes(&|lens: &Lens| lens.surfaces[all[0].stop].semi_diameter))
 }
 
-/// Returns the text of the moving values as functions of the focus.
+/// Returns the text of the values that move, as functions of the focus.
 fn moved(all: &[Optics], traced: &TracedLens<'_>, numbers: &mut Numbers) -> Vec<(String, String)> {
     let fixed = |value: f64| Polynomial([value, 0.0, 0.0, 0.0, 0.0]);
     let gap = |optics: &Optics, row: usize| match &optics.motion {
@@ -268,7 +269,7 @@ fn entry_function(
     let focal_length = of(|optics| optics.focal_length);
     let magnified = of(|optics| optics.nearest * optics.focal_length);
     let steps = (FOCI - 1) as f64;
-    // Place in the table for a focus.
+    // Position in the table for a focus.
     let table_position = if all[0].motion.is_some() {
         format!("{}*focus", number(steps))
     } else {

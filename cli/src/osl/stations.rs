@@ -1,8 +1,8 @@
 //! A lens whose groups move, at the focal lengths between which a shader interpolates.
 //!
-//! Takes a prescription and a request; returns a lens for each of an odd number of focal lengths, or one lens if it
-//! does not zoom. Stations of even index are the zoom's nodes, among them the positions of the lens file. A station of
-//! odd index is in the middle between two nodes, by the logarithm of the focal length.
+//! The input is a prescription and a request; the output is a lens for each of an odd number of focal lengths, or a
+//! single lens if it does not zoom. Stations of even index are the nodes of the zoom, which include the positions in
+//! the lens file. A station of odd index is halfway between two nodes by the logarithm of the focal length.
 
 use realistic_base::numeric::root;
 use realistic_camera::Zoom;
@@ -13,7 +13,7 @@ use realistic_optics::lens::first_order::FirstOrder;
 use realistic_optics::lens::{Lens, LensError};
 use realistic_optics::prescription::Prescription;
 
-/// Largest step of the zoom, by the logarithm of the focal length, and the largest number of steps.
+/// Largest step of the zoom, in the logarithm of the focal length, and largest number of steps.
 const STEP: f64 = 0.14;
 const MOST_STEPS: f64 = 12.0;
 
@@ -22,7 +22,7 @@ const MOST_STEPS: f64 = 12.0;
 pub struct Station {
     /// Requested focal length, mm.
     pub zoom: f64,
-    /// The lens focused at the farthest object in its file.
+    /// The lens focused on the farthest object in its file.
     pub lens: Lens,
     focusing: Option<Focusing>,
 }
@@ -43,7 +43,7 @@ pub struct StationRequest<'a> {
     pub stop: StopSize,
     /// Position or focal length, if the shader is for a single one.
     pub zoom: Option<&'a Zoom>,
-    /// Whether the groups focus, or else the whole lens moves.
+    /// Whether groups focus; otherwise the whole lens moves.
     pub by_groups: bool,
 }
 
@@ -66,7 +66,7 @@ impl Station {
     }
 
     /// Returns the lens with its groups focused on an object 1/`vergence` mm in front of it, and with the film at the
-    /// file's position.
+    /// position that the file gives.
     pub fn focused(&self, vergence: f64) -> Option<Lens> {
         let Focusing { travel, wavelength, stop } = self.focusing.as_ref()?;
         let at = |position: f64| {
@@ -85,14 +85,15 @@ impl Station {
             [before, behind] if before * behind < 0.0 => root(far, near, off),
             [before, behind] if before.abs() < behind.abs() => far,
             [_, behind] if behind.is_finite() => near,
-            // Without a stated film distance, the position is the table's for this object.
+            // Without a stated film distance, the position is the one in the table for this object.
             _ => vergence.clamp(far, near),
         };
         at(position).map(|(_, opened)| opened.lens)
     }
 }
 
-/// Returns the stations of a lens in rising order of the focal length, and the index of the file's initial one.
+/// Returns the stations of a lens in order of rising focal length, and the index of the station that is initial in
+/// the file.
 ///
 /// # Errors
 /// The lens does not zoom as requested.
@@ -103,7 +104,7 @@ pub fn stations(
     let own = |lens: &Lens| FirstOrder::of(lens).map_or(0.0, |optics| optics.focal_length.abs());
     let unmoved = || (vec![Station::fixed(request.lens, own(request.lens))], 0);
     let Some(groups) = MovingGroups::of(prescription) else { return Ok(unmoved()) };
-    // Groups focus on the film at its own position, which follows the image as the lens zooms.
+    // Groups focus on the film at its position in the file, which follows the image as the lens zooms.
     let image = |prescription: &Prescription, vergence: f64| {
         let OpenLens { lens, beam, .. } = OpenLens::new(Lens::at_own_wavelength(prescription));
         Some(AxialImage::of(&lens, beam.entrance).best(vergence).distance)
@@ -134,7 +135,7 @@ pub fn stations(
     let mut travels = vec![listed[0].clone()];
     for pair in listed.windows(2) {
         let log_ratio = (pair[1].0 / pair[0].0).ln();
-        // Each step has two stations, and the second is a node.
+        // Each step has two stations, and the second of them is a node.
         let parts = 2 * (log_ratio / step).ceil().max(1.0) as usize;
         for part in 1..parts {
             let focal_length = pair[0].0 * (log_ratio * part as f64 / parts as f64).exp();

@@ -1,9 +1,9 @@
-//! The image of the stop's clear aperture through the glass behind it, as a film point sees it, for any width: an
-//! egg-shaped ellipse whose parameters are short polynomials of the stop s.
+//! The image of the stop's clear aperture through the glass behind it, as a film point sees it, for any width of the
+//! stop. The image is an egg-shaped ellipse whose parameters are short polynomials in the stop s.
 //!
-//! In the sampling plane the image of the aperture at s is |y| <= h(s) √(1 - X²) (1 + e s X), X = (x - c(s))/w(s), with
-//! c = c0 + c1 s² + c2 s⁴, and w/s, h/s likewise. Rays are traced from the film to the stop alone; an aperture that
-//! they do not reach sets no limit.
+//! In the sampling plane, the image of the aperture at s is |y| <= h(s) √(1 - X²) (1 + e s X), with X = (x -
+//! c(s))/w(s). Here c = c0 + c1 s² + c2 s⁴, and w/s and h/s have the same form. Rays are traced only from the film to
+//! the stop; an aperture that no ray reaches sets no limit.
 
 use super::optics::Optics;
 use super::polynomial::least_squares;
@@ -11,19 +11,19 @@ use realistic_optics::lens::{Lens, film_ray};
 use realistic_optics::trace::{Blocked, Path};
 use std::f64::consts::PI;
 
-/// The coefficients c0 to c2, w0 to w2, h0 to h2, e.
+/// The coefficients c0 to c2, w0 to w2, h0 to h2, and e.
 pub type EggCoefficients = [f64; 10];
 
 /// The image of a stop that sets no limit, in mm.
 pub const NO_LIMIT: EggCoefficients = [0.0, 0.0, 0.0, 1e6, 0.0, 0.0, 1e6, 0.0, 0.0, 0.0];
 
-/// Stops at which the image is traced.
+/// Stops for which the image is traced.
 const STOPS: [f64; 8] = [0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85, 1.0];
-/// Number of stops from which a third term is fitted; with fewer it would diverge beyond them.
+/// Number of stops from which on a third term is fitted; with fewer stops, the fit would diverge beyond them.
 const STEADY: usize = 6;
-/// Directions over half a turn in which the image is traced, less one.
+/// Number of directions over half a turn in which the image is traced, minus one.
 const DIRECTIONS: usize = 12;
-/// Share by which the image is finally widened, to cover images between the fields of the table.
+/// Share by which the image is widened at the end, to cover images between the fields of the table.
 const MARGIN: f64 = 0.002;
 
 /// The rear group of a lens, from the film to the stop, at one focus.
@@ -38,7 +38,7 @@ pub struct StopView {
 }
 
 impl StopView {
-    /// Makes the view for film `distance` mm from the sampling plane; `lens` is that of `optics` at a focus.
+    /// Makes the view for a film `distance` mm from the sampling plane; `lens` is the lens of `optics` at a focus.
     pub fn of(optics: &Optics, lens: &Lens, distance: f64) -> Self {
         let mut rear = lens.clone();
         let widest = rear.surfaces[optics.stop].semi_diameter;
@@ -54,8 +54,8 @@ impl StopView {
         }
     }
 
-    /// Returns the point in the stop that the ray from field σ through a point of the sampling plane reaches, in units
-    /// of its radius.
+    /// Returns the point in the stop, in units of the stop's radius, that a ray from field σ through a point of the
+    /// sampling plane reaches.
     fn in_stop(&self, field: f64, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
         let point = field * self.distance;
         let slopes = [(x - point) / self.distance, y / self.distance];
@@ -66,8 +66,8 @@ impl StopView {
         arrived.then(|| [walk.ray.origin[0] / self.widest, walk.ray.origin[1] / self.widest])
     }
 
-    /// Returns the point of the sampling plane through which a ray reaches the stop's point `target`, by Newton's
-    /// method from `start`.
+    /// Returns the point of the sampling plane through which a ray reaches the point `target` of the stop, by
+    /// Newton's method from `start`.
     fn seen(&self, field: f64, target: [f64; 2], start: [f64; 2]) -> Option<[f64; 2]> {
         let mut point = start;
         let step = 1e-6 * self.distance;
@@ -88,8 +88,8 @@ impl StopView {
         None
     }
 
-    /// Returns the image for field σ, and its centre, which approximates that of the next field. `near` is the centre
-    /// for the field before.
+    /// Returns the image for field σ, and its centre, which approximates the centre for the next field. `near` is the
+    /// centre for the previous field.
     pub fn image(&self, field: f64, near: [f64; 2]) -> Option<(EggCoefficients, [f64; 2])> {
         let center = self.seen(field, [0.0, 0.0], near)?;
         let mut before = [center; DIRECTIONS + 1];
@@ -116,8 +116,8 @@ impl StopView {
     }
 }
 
-/// Returns the egg around these images of the aperture, each a list of points from the greatest x to the least (or in
-/// reverse).
+/// Returns the egg that encloses these images of the aperture. Each image is a list of points from the greatest x to
+/// the least, or in reverse.
 fn egg_coefficients(outlines: &[(f64, Vec<[f64; 2]>)]) -> EggCoefficients {
     let ends = |outline: &[[f64; 2]]| {
         let (a, b) = (outline[0][0], outline[outline.len() - 1][0]);
@@ -132,7 +132,7 @@ fn egg_coefficients(outlines: &[(f64, Vec<[f64; 2]>)]) -> EggCoefficients {
     };
     let c = over_stops(&|_, outline| f64::midpoint(ends(outline)[0], ends(outline)[1]));
     let w = over_stops(&|s, outline| (ends(outline)[1] - ends(outline)[0]) / 2.0 / s);
-    // h and h e of |y| / √(1 - X²) = h + h e X.
+    // The fit gives h and h e in |y| / √(1 - X²) = h + h e X.
     let shape = |outline: &[[f64; 2]]| -> [f64; 2] {
         let [low, high] = ends(outline);
         let inner = &outline[1..outline.len() - 1];
@@ -143,7 +143,7 @@ fn egg_coefficients(outlines: &[(f64, Vec<[f64; 2]>)]) -> EggCoefficients {
     };
     let h = over_stops(&|s, outline| shape(outline)[0] / s);
     let [e, ..] = over_stops(&|s, outline| shape(outline)[1] / shape(outline)[0] / s);
-    // Each image's ellipse must be wider by a factor, and a parabola of s lies above all the factors.
+    // Each image requires its own factor of widening; a parabola in s lies above all of these factors.
     let outside = |[w, h]: [[f64; 3]; 2], (s, outline): &(f64, Vec<[f64; 2]>)| {
         let at = |terms: [f64; 3]| terms[0] + s * s * (terms[1] + s * s * terms[2]);
         let (c, w, h) = (at(c), s * at(w), s * at(h));

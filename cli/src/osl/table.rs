@@ -1,35 +1,35 @@
-//! The pupil at the widest stop as a table that a shader interpolates. By construction the interpolated region contains
-//! the true one.
+//! The pupil at the widest stop as a table that a shader interpolates. By construction, the interpolated region
+//! contains the true region.
 //!
-//! A region lies between x = `low` and `high`, and at X = (2 x - low - high)/(high - low) reaches up to
-//! |y| = g(X) √(1 - X²): for an ellipse g is constant. A node of the table has low, high and g at equal steps of X.
-//! Nodes have equal steps of the field σ (if its end is dark, of √(1 - σ/σ_end), in proportion to which the last pupils'
-//! heights fall) and of 1/B, where B is the distance from the film to the sampling plane. All values are interpolated
-//! linearly, also between the nodes of a zoom. The nodes of a lens whose groups focus have equal steps of the focus.
-//! Regions between the nodes are checked, too: if an interpolated region does not cover one, the nodes around it are
-//! widened by the missing part.
+//! A region lies between x = `low` and `high`, and at X = (2 x - low - high)/(high - low) it extends up to |y| = g(X)
+//! √(1 - X²); for an ellipse, g is constant. A node of the table has low, high, and g at equal steps of X. Nodes have
+//! equal steps of the field σ and of 1/B, where B is the distance from the film to the sampling plane. If the film is
+//! dark beyond the last field, the steps are equal in √(1 - σ/σ_end) instead of σ, because the heights of the last
+//! pupils fall in proportion to this root. All values are interpolated linearly, also between the nodes of a zoom.
+//! The nodes of a lens whose groups focus have equal steps of the focus. Regions between the nodes are checked, too:
+//! if an interpolated region does not cover such a region, the nodes around it are widened by the missing part.
 
 use super::field::Field;
 use super::optics::Optics;
 use super::region::Region;
 use realistic_optics::lens::Lens;
 
-/// Values of g per node.
+/// Number of values of g per node.
 pub const HEIGHTS: usize = 13;
-/// Nodes along the field, and along 1/B or the focus, from the film's position for infinity to that for the nearest
-/// object.
+/// Number of nodes along the field, and along 1/B or the focus, from the film's position for infinity to its position
+/// for the nearest object.
 pub const FIELDS: usize = 25;
 pub const FOCI: usize = 4;
 
-/// Traced fields and foci per step of the table.
+/// Number of traced fields and foci per step of the table.
 const FIELD_PARTS: usize = 3;
 const FOCUS_PARTS: usize = 2;
-/// Heights checked between two values of g.
+/// Number of heights checked between two values of g.
 const HEIGHT_PARTS: usize = 6;
-/// Share of its width and height by which a region is finally widened, to cover regions between those traced.
+/// Share of its width and height by which a region is widened at the end, to cover regions between the traced ones.
 const MARGIN: f64 = 0.0015;
 
-/// A region.
+/// A region, as a node of the table.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PupilNode {
     pub low: f64,
@@ -40,21 +40,21 @@ pub struct PupilNode {
 /// The table of pupils.
 #[derive(Debug)]
 pub struct PupilTable {
-    /// Nodes by zoom, then by 1/B, then by field.
+    /// Nodes in order of zoom, then of 1/B, then of field.
     pub nodes: Vec<PupilNode>,
-    /// Whether the film is dark at the last nodes' field, rather than out of reach.
+    /// Whether the film is dark at the field of the last nodes; otherwise, the film does not extend beyond it.
     pub ends_dark: bool,
     pub stations: Vec<Span>,
 }
 
-/// The part of the table for a station.
+/// The part of the table for one station.
 #[derive(Debug)]
 pub struct Span {
-    /// Field of the last nodes: beyond it the shader has no light.
+    /// Field of the last nodes; beyond it, the shader has no light.
     pub widest_field: f64,
-    /// The pupil's radius for the film's centre at each 1/B.
+    /// Radius of the pupil of the film's centre at each 1/B.
     pub on_axis: [f64; FOCI],
-    /// The lens at each node of the focus, and the distance B, mm.
+    /// The lens at each node of the focus, and the distance B at that node, mm.
     pub foci: [(Lens, f64); FOCI],
 }
 
@@ -68,9 +68,9 @@ struct TracedRegion {
 
 impl PupilTable {
     /// Makes the table for film points up to `reach` mm from the axis; `None` if the film's centre is dark. `others`
-    /// are lenses of the same glasses at other wavelengths, whose pupils the table contains, too.
+    /// are lenses with the same glasses at other wavelengths, whose pupils the table contains, too.
     pub fn of(stations: &[Optics], others: &[Lens], reach: f64) -> Option<Self> {
-        // Each station has a thread; most take the same time.
+        // Each station has its own thread; most stations take equally long.
         let all: Option<Vec<Pupils>> = std::thread::scope(|scope| {
             let focused = |(station, optics)| scope.spawn(move || focused(optics, station, others, reach));
             let threads: Vec<_> = stations.iter().enumerate().map(focused).collect();
@@ -103,7 +103,7 @@ impl PupilTable {
         Some(table)
     }
 
-    /// Returns the field of a node at a station, or between two.
+    /// Returns the field of a node at a station, or of a position between two nodes.
     pub fn field(&self, station: usize, node: f64) -> f64 {
         field_at(node / (FIELDS - 1) as f64, self.stations[station].widest_field, self.ends_dark)
     }
@@ -180,19 +180,19 @@ struct Focused {
 
 /// The pupils of a station.
 struct Pupils {
-    /// The lens at each node of the focus, and the distance B, mm.
+    /// The lens at each node of the focus, and the distance B at that node, mm.
     foci: [(Lens, f64); FOCI],
     focused: Vec<Focused>,
 }
 
-/// Traces a station at all foci, at nodes and between; at the nodes also with the glasses of `others`. A station
-/// between nodes of the zoom only serves as a check of the interpolation and is traced at the nodes of the focus alone.
+/// Traces a station at all foci, at nodes and between them; at the nodes also with the glasses of `others`. A station
+/// between nodes of the zoom serves only to check the interpolation, and is traced only at the nodes of the focus.
 /// `None` if the film's centre is dark.
 fn focused(optics: &Optics, station: usize, others: &[Lens], reach: f64) -> Option<Pupils> {
     let is_between = station % 2 == 1;
     let at = |step: usize| optics.at_node(step as f64 / FOCUS_PARTS as f64, (FOCI - 1) as f64);
     let foci: Vec<(Lens, f64)> = (0..=(FOCI - 1) * FOCUS_PARTS).map(at).collect();
-    // The reach is scaled with the distance, so that all foci have the same fields.
+    // The reach is scaled in proportion to the distance, so that all foci have the same fields.
     let shortest = foci.iter().map(|(_, distance)| *distance).fold(f64::INFINITY, f64::min);
     let mut focused = Vec::new();
     for (step, (lens, distance)) in foci.iter().enumerate() {
@@ -228,7 +228,7 @@ fn traced(fields: &[Focused], station: usize, widest_field: f64, ends_dark: bool
     traced
 }
 
-/// Returns the lens with the indices of the same one at another wavelength.
+/// Returns the lens with its own geometry and the indices of the same lens at another wavelength.
 fn with_indices(lens: &Lens, other: &Lens) -> Lens {
     let mut lens = lens.clone();
     for (surface, other) in lens.surfaces.iter_mut().zip(&other.surfaces) {
@@ -237,8 +237,8 @@ fn with_indices(lens: &Lens, other: &Lens) -> Lens {
     lens
 }
 
-/// Returns the nodes from their traced regions; a dark node becomes a point in the middle of the last bright one before
-/// it.
+/// Returns the nodes from their traced regions. A dark node becomes a point in the middle of the last bright node
+/// before it.
 fn at_nodes(traced: &[TracedRegion], zoom: f64) -> Vec<PupilNode> {
     let own = |at: &&TracedRegion| at.zoom == zoom;
     let mut nodes = Vec::new();
@@ -264,7 +264,7 @@ fn at_nodes(traced: &[TracedRegion], zoom: f64) -> Vec<PupilNode> {
 fn node(region: &Region) -> PupilNode {
     let [low, high] = region.reach();
     let position = |k: usize| 2.0 * k as f64 / (HEIGHTS - 1) as f64 - 1.0;
-    // The value of g at either end is a limit; the neighbour's value replaces it.
+    // At either end, g is a limit; the neighbour's value replaces it.
     let g = std::array::from_fn(|k| {
         let x = position(k.clamp(1, HEIGHTS - 2));
         region.height(f64::midpoint(low, high) + (high - low) / 2.0 * x).unwrap_or(0.0) / (1.0 - x * x).sqrt()
@@ -277,7 +277,8 @@ fn field_at(share: f64, widest: f64, ends_dark: bool) -> f64 {
     widest * if ends_dark { share * (2.0 - share) } else { share }
 }
 
-/// Returns the field up to which film gets light at any focus, and whether it is dark beyond at all foci.
+/// Returns the largest field at which the film gets light at any focus, and whether the film is dark beyond it at all
+/// foci.
 fn widest_field(fields: &[Focused]) -> (f64, bool) {
     let ends = fields.iter().map(|focused| focused.field.end());
     ends.fold((0.0, true), |(widest, ends_dark), (end, is_dark)| (end.max(widest), ends_dark && is_dark))

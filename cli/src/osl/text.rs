@@ -1,6 +1,6 @@
 //! Elements of OSL text: numbers in single precision, arrays, comments.
 
-/// Placeholder in a shader's text for a number beyond single precision; no name in a shader is like it.
+/// Placeholder in a shader's text for a number beyond single precision; no name in a shader resembles it.
 const BEYOND: &str = "beyond_single_precision";
 
 /// Whether all numbers of a shader's text are in range.
@@ -8,7 +8,7 @@ pub fn is_complete(text: &str) -> bool {
     !text.contains(BEYOND)
 }
 
-/// Formats a number so that OSL (and C) reads it back to the same single-precision bits; a negative one is in
+/// Formats a number so that OSL (and C) reads back the same single-precision bits; a negative number is in
 /// parentheses.
 pub fn number(value: f64) -> String {
     let is_negative = (value as f32) < 0.0;

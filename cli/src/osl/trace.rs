@@ -1,8 +1,9 @@
-//! OSL text of the trace: a ray on the rear vertex plane through every surface to the front one, unrolled.
+//! OSL text of the trace, unrolled: it follows a ray from the rear vertex plane through every surface to the front
+//! surface.
 //!
-//! The arithmetic is the kernel's (`realistic_optics::trace`): V = n D, curvatures instead of radii, one frame per
-//! surface with the transfer from vertex to vertex, two square roots per surface and no division if the curvature is
-//! strong.
+//! The arithmetic is that of the kernel (`realistic_optics::trace`): V = n D, curvatures instead of radii, one frame
+//! per surface with the transfer from vertex to vertex, and two square roots per surface, without a division if the
+//! curvature is strong.
 
 use super::figure;
 use super::light::{Light, Meeting};
@@ -11,12 +12,12 @@ use realistic_optics::lens::{Lens, Surface};
 use realistic_optics::prescription::Blades;
 use std::fmt::Write as _;
 
-/// Radius of curvature in focal lengths below which a surface is strong: the division-free form of the distance to it
-/// keeps enough digits.
+/// Radius of curvature, in focal lengths, below which a surface counts as strong: the division-free form of the
+/// distance to it keeps enough digits.
 const STRONG: f64 = 2.0;
-/// Distance to the vertex over radius of curvature beyond which the ray is first moved to the vertex plane.
+/// Distance to the vertex, in radii of curvature, beyond which the ray is first moved to the vertex plane.
 const FAR: f64 = 3.0;
-/// Aperture as a share of the radius of curvature from which the other half of the sphere needs a test.
+/// Semi-diameter, in radii of curvature, above which a test must exclude the other half of the sphere.
 const WIDE: f64 = 0.7;
 
 /// The input of the text.
@@ -27,30 +28,31 @@ pub struct TracedLens<'a> {
     pub stop: usize,
     pub blades: Option<Blades>,
     pub focal_length: f64,
-    /// Gaps that change, by the surface before them, which gives the variable's name, with their largest values, mm.
+    /// Gaps that change, each as the index of the surface before it, which gives the variable's name, and its largest
+    /// value, mm.
     pub gaps: &'a [(usize, f64)],
     /// Whether the stop's clear semi-diameter changes and is in the variable `stop_radius`.
     pub stop_radius_moves: bool,
     /// Declarations of the indices, for dispersion.
     pub indices: Option<String>,
-    /// Transmission of surfaces and glasses; `None` if ignored.
+    /// Transmission of surfaces and glasses; `None` if it is ignored.
     pub light: Option<Light<'a>>,
 }
 
 impl TracedLens<'_> {
-    /// Returns the names of the numbers that change, `gap5` for the gap behind row 5.
+    /// Returns the names of the numbers that change; `gap5` is the gap behind row 5.
     pub fn moving(&self) -> Vec<String> {
         let gaps = self.gaps.iter().map(|(row, _)| format!("gap{}", row + 1));
         gaps.chain(self.stop_radius_moves.then(|| "rim".to_owned())).collect()
     }
 }
 
-/// A length along the axis: its fixed part, and the gaps that change.
+/// A length along the axis: the sum of a fixed part and gaps that change.
 #[derive(Clone, Default)]
 struct Length {
     fixed: f64,
     gaps: Vec<usize>,
-    /// Length with the gaps at their largest.
+    /// Length with all gaps at their largest.
     most: f64,
 }
 
@@ -74,14 +76,15 @@ impl Length {
         self.fixed == 0.0 && self.gaps.is_empty()
     }
 
-    /// Returns the text for subtraction: each part follows a minus sign.
+    /// Returns the text for a subtraction of the length: a minus sign precedes each part.
     fn subtracted(&self) -> String {
         let fixed = (self.fixed != 0.0).then(|| format!(" - {}", number(self.fixed)));
         fixed.into_iter().chain(self.gaps.iter().map(|row| format!(" - gap{row}"))).collect()
     }
 }
 
-/// Returns the text to be subtracted from z in the first vertex's frame to get z in that of the surface `row`.
+/// Returns the text to be subtracted from z in the frame of the first vertex to get z in the frame of the surface
+/// `row`.
 pub fn behind_front(traced: &TracedLens<'_>, row: usize) -> String {
     let mut length = Length::default();
     (0..row).for_each(|row| length.add(traced, row));
@@ -116,7 +119,7 @@ pub fn text(traced: &TracedLens<'_>) -> String {
     if absorption.iter().any(Option::is_some) {
         text += "  /* Where the glass that the ray is in began. */\n  float px = 0, py = 0, pz = 0;\n";
     }
-    // Distance from the frame's vertex to the next one.
+    // Distance from the vertex of the current frame to the next vertex.
     let mut pending = Length::default();
     let mut last = lens.surfaces.len() - 1;
     for (i, surface) in lens.surfaces.iter().enumerate().rev() {
@@ -130,7 +133,7 @@ pub fn text(traced: &TracedLens<'_>) -> String {
             false => number(surface.semi_diameter.powi(2)),
         };
         let is_plane = surface.curvature == 0.0 && surface.figure.is_none();
-        // Between media of equal index nothing refracts, but another glass may begin.
+        // Between media of equal index there is no refraction, but another glass may begin.
         let ahead = i.checked_sub(1).and_then(|row| absorption[row].as_ref());
         let changes = absorption[i].as_ref() != ahead;
         if is_plane && surface.n_film == surface.n_scene && !changes {
@@ -159,7 +162,7 @@ pub fn text(traced: &TracedLens<'_>) -> String {
             Some(_) if n != 1.0 => format!("n{row}"),
             _ => number(n),
         };
-        // The medium before is on the film's side, and that behind belongs to the row before.
+        // The medium before the surface is on the film's side; the medium behind it belongs to the previous row.
         let (before, after) = (surface.n_film, surface.n_scene);
         let (squares, step) = match &traced.indices {
             Some(_) => {
@@ -201,7 +204,7 @@ pub fn text(traced: &TracedLens<'_>) -> String {
     text + "  return 1;\n}\n\n"
 }
 
-/// Writes the test of a plane aperture; the ray need not be moved to it.
+/// Writes the test of a plane aperture, which does not move the ray to the aperture.
 fn opening(text: &mut String, ahead: &Length, limit: &str) {
     let z = if ahead.is_zero() { "z".to_owned() } else { format!("(z{})", ahead.subtracted()) };
     let _ = writeln!(text, "  f = x*vz - {z}*vx;\n  g = y*vz - {z}*vy;");
@@ -241,7 +244,7 @@ fn sphere(
     [square, step]: [&str; 2],
     light: &str,
 ) {
-    // The curvature is positive if the centre lies ahead along the light.
+    // The curvature is positive if its centre lies ahead of the ray.
     let c = -surface.curvature;
     let curvature = number(c);
     if distance * c.abs() > FAR {

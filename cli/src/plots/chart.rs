@@ -1,4 +1,4 @@
-//! Log-log charts: cost to the right, error upward, names at the marks or at the lines' ends.
+//! Log-log charts of error against cost, with names at the marks or at the ends of the lines.
 
 use super::PALETTE;
 use super::placement::{Area, beside};
@@ -13,26 +13,26 @@ use std::f64::consts::TAU;
 pub struct Mark {
     /// Cost and error.
     pub at: [f64; 2],
-    /// Errors between which a thin line shows the spread.
+    /// Smallest and largest error of the spread, which a thin line shows.
     pub reach: Option<[f64; 2]>,
     /// Name beside the mark.
     pub name: Option<String>,
-    /// Whether the mark is filled: it is on the Pareto front.
+    /// Whether the mark is on the Pareto front; such marks are filled.
     pub on_front: bool,
 }
 
 /// A group of marks.
 #[derive(Clone, Debug)]
 pub struct Series {
-    /// Name; that of a line is written at its end.
+    /// Name of the series; the name of a line is written at its end.
     pub name: String,
     /// Colour.
     pub color: &'static str,
-    /// Index of the marks' form.
+    /// Index of the shape of the marks.
     pub symbol: usize,
     /// Dashes of the line that joins the marks, if any.
     pub line: Option<&'static str>,
-    /// Marks by rising cost.
+    /// Marks in order of rising cost.
     pub marks: Vec<Mark>,
 }
 
@@ -45,7 +45,7 @@ pub struct Chart {
     pub cost: &'static str,
     /// Name and unit of the error.
     pub error: &'static str,
-    /// Horizontal lines at these errors, with their names.
+    /// Errors at which horizontal lines are drawn, with the names of these lines.
     pub levels: Vec<(f64, String)>,
     /// Series of marks and lines.
     pub series: Vec<Series>,
@@ -62,7 +62,7 @@ const LEFT: f64 = 70.0;
 const TOP: f64 = 62.0;
 
 impl Series {
-    /// Makes the `number`th of a chart's series of single marks.
+    /// Makes the series with index `number` of a chart, of single marks.
     pub fn marks(name: &str, number: usize, marks: impl Iterator<Item = Mark>) -> Self {
         Self {
             name: name.to_owned(),
@@ -73,7 +73,7 @@ impl Series {
         }
     }
 
-    /// Makes a line with the `color`th colour and the `dash`th dashes.
+    /// Makes a line with the colour of index `color` and the dashes of index `dash`.
     pub fn line(name: String, color: usize, dash: usize, points: impl Iterator<Item = [f64; 2]>) -> Self {
         // Solid or dashed strokes are the most visible difference.
         const DASHES: [&str; 3] = ["none", "6 4", "2 3"];
@@ -232,7 +232,7 @@ fn line_ends(page: &mut Page, lines: &[&Series], position: &dyn Fn(&Mark) -> [f6
         lines.iter().filter_map(|series| Some((*series, position(series.marks.last()?)))).collect();
     ends.sort_by(|a, b| a.1[1].total_cmp(&b.1[1]));
     let anchors: Vec<f64> = ends.iter().map(|(_, at)| at[1]).collect();
-    // The gap that `spread` keeps is most of a line's height.
+    // [`spread`] adds its own gap of 14 pixels.
     let heights = vec![LINE - 14.0; ends.len()];
     let positions = spread(&anchors, &heights, [frame.from[1], frame.to[1]]);
     for ((series, at), y) in ends.iter().zip(positions) {
@@ -242,7 +242,7 @@ fn line_ends(page: &mut Page, lines: &[&Series], position: &dyn Fn(&Mark) -> [f6
     }
 }
 
-/// Returns the key's entries in rows of at most `width` pixels, each with its left edge.
+/// Returns the entries of the key in rows of at most `width` pixels, with the left edge of each entry.
 fn key_rows<'a>(series: &[&'a Series], width: f64) -> Vec<Vec<(f64, &'a Series)>> {
     let mut rows: Vec<Vec<(f64, &Series)>> = Vec::new();
     let mut left = f64::INFINITY;
@@ -288,7 +288,7 @@ fn symbol(page: &mut Page, series: &Series, [x, y]: [f64; 2], filled: bool) {
 mod tests {
     use super::*;
 
-    /// Returns the texts of a drawing with their middle and half width, or their start and width.
+    /// Returns the texts of a drawing with the upper left and lower right corners of their boxes.
     fn texts(svg: &str) -> Vec<(String, [f64; 2], [f64; 2])> {
         let number = |line: &str, key: &str| -> f64 {
             let rest = &line[line.find(key).unwrap() + key.len()..];

@@ -1,4 +1,4 @@
-//! Places names beside their marks, without overlap of other names or marks.
+//! Places names beside their marks, so that they overlap no other names and no marks.
 
 /// A rectangle on the page: left, top, right, bottom.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,13 +20,13 @@ impl Area {
         [0, 1].map(|i| f64::midpoint(self.from[i], self.to[i]))
     }
 
-    /// Returns the size of the area that both cover.
+    /// Returns the overlap of two rectangles, in square pixels.
     pub fn overlap(&self, other: &Self) -> f64 {
         let side = |i: usize| (self.to[i].min(other.to[i]) - self.from[i].max(other.from[i])).max(0.0);
         side(0) * side(1)
     }
 
-    /// Returns the point of this area nearest to another.
+    /// Returns the point of this area nearest to the given point.
     pub fn nearest(&self, point: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|i| point[i].clamp(self.from[i], self.to[i]))
     }
@@ -50,8 +50,8 @@ fn leader(mark: [f64; 2], area: &Area) -> Vec<Area> {
     (4..steps).map(|step| Area::about(at(step), [2.0, 2.0])).collect()
 }
 
-/// Returns the areas of names with `sizes` for `marks`, inside `frame` and clear of `obstacles`: in their order, each
-/// has the nearest free area. If there is room, no name crosses the line between another and its mark.
+/// Returns the areas of names with `sizes` for `marks`, inside `frame` and clear of `obstacles`. Each name in turn
+/// gets the nearest free area. If there is room, no name crosses the line between another name and its mark.
 pub fn beside(marks: &[[f64; 2]], sizes: &[[f64; 2]], frame: Area, obstacles: &[Area]) -> Vec<Area> {
     let mut taken = obstacles.to_vec();
     let mut lines: Vec<Area> = Vec::new();
@@ -59,7 +59,7 @@ pub fn beside(marks: &[[f64; 2]], sizes: &[[f64; 2]], frame: Area, obstacles: &[
     for (mark, size) in marks.iter().zip(sizes) {
         let candidates =
             RINGS.iter().flat_map(|ring| (0..TURNS).map(move |turn| (ring, turn))).map(|(ring, turn)| {
-                // 0, 1, -1, 2, -2, ...: right, then away from it to both sides.
+                // The turns are 0, -1, 1, -2, 2, ...: to the right first, then farther and farther to either side.
                 let turn = if turn % 2 == 0 { f64::from(turn / 2) } else { -f64::from(turn / 2 + 1) };
                 let (sin, cos) = (turn * std::f64::consts::TAU / f64::from(TURNS)).sin_cos();
                 let side = |i: usize, part: f64| mark[i] + part * (ring + size[i] / 2.0);
@@ -71,7 +71,7 @@ pub fn beside(marks: &[[f64; 2]], sizes: &[[f64; 2]], frame: Area, obstacles: &[
                 .flat_map(|name: &Area| leader(*mark, area).into_iter().map(|dot| dot.overlap(name)));
             let texts: f64 = taken.iter().map(|other| area.overlap(other)).sum();
             let crossed: f64 = lines.iter().map(|line| area.overlap(line)).chain(names).sum();
-            // If not all conditions can hold, a line across a name is better than a name over a name.
+            // If not all conditions can hold, a line across a name is better than two names on top of each other.
             100.0 * (area.outside(&frame) + texts) + crossed
         };
         let mut best = (f64::INFINITY, Area::about(*mark, *size));

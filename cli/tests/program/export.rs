@@ -1,4 +1,4 @@
-//! `realistic export`: every model against exact chief rays, by formulas written here.
+//! `realistic export`: compares every model with exact chief rays, by formulas written independently here.
 
 use super::{fails, succeeds};
 use realistic_optics::imaging::focus::Focus;
@@ -25,8 +25,8 @@ fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().expect("an array").iter().map(|number| number.as_f64().expect("a number")).collect()
 }
 
-/// Returns the film radius, pixels, at which a model with these parameters sees `angle`, by the formulas of its own
-/// programs.
+/// Returns the film radius, pixels, at which a model with these parameters sees `angle`, by the formulas of the
+/// model's own programs.
 fn projected(report: &Value, angle: f64) -> f64 {
     let parameters = &report["parameters"];
     let tangent = angle.tan();
@@ -72,8 +72,8 @@ fn projected(report: &Value, angle: f64) -> f64 {
     }
 }
 
-/// Returns the angle from the axis at which the entrance pupil sees the point in focus on the exact chief ray of a film
-/// point, pixels from the centre.
+/// Returns the angle from the axis at which the entrance pupil sees the point in focus on the exact chief ray of a
+/// film point; the argument is the film point's distance from the centre, pixels.
 fn exact(lens: &str, report: &Value) -> impl Fn(f64) -> Option<f64> {
     let lens = Lens::new(&catalogue::find(lens).expect("listed"), number(report, "wavelength"));
     let field = Field::new(&lens, lens.rear().vertex - number(report, "film_distance"));
@@ -86,7 +86,7 @@ fn exact(lens: &str, report: &Value) -> impl Fn(f64) -> Option<f64> {
         let Some(plane) = plane else { return Some((-dy).atan2(dz)) };
         let from_pinhole = |along: f64| [oy + along * dy, oz + along * dz - pinhole];
         let [y, z] = from_pinhole((plane - oz) / dz);
-        // The largest distance is ten times that on the axis.
+        // The largest distance is ten times the distance of the plane in focus on the axis.
         let most = 10.0 * (plane - pinhole);
         if dz > 0.0 && y.hypot(z) <= most {
             return Some((-y).atan2(z));
@@ -112,7 +112,7 @@ fn the_stated_error_of_every_model_holds_between_fitted_rays() {
             let held = report["held_half_field_deg"].as_f64().expect("a model").to_radians();
             let worst = number(&report["errors"], "worst_px");
             let mut found: f64 = 0.0;
-            // These steps do not coincide with the fit's.
+            // These steps differ from those of the fit.
             for i in 0..=147 {
                 let radius = lit * ((f64::from(i) + 0.37) / 147.37).min(1.0 - 1e-9);
                 let Some(angle) = exact(radius).filter(|angle| *angle <= held) else { continue };
@@ -144,14 +144,14 @@ fn a_near_focus_model_sees_points_of_the_plane_of_focus() {
         let [y, z] = [1, 2].map(|axis| ray.origin[axis] + along * ray.direction[axis]);
         let found = projected(&report, (-y).atan2(z - pinhole));
         assert!((found - radius).abs() <= 1.02 * worst + 1e-6, "{found} {radius}");
-        // The pupil shift shows where the ray crosses the axis.
+        // The pupil shift is visible where the ray crosses the axis.
         let crossing = ray.origin[2] - ray.origin[1] * ray.direction[2] / ray.direction[1];
         assert!(
             (crossing - pinhole).abs() <= number(&report, "pupil_walk_mm") * 1.001,
             "{crossing} {pinhole}"
         );
     }
-    // When this lens, which moves as a whole, is refocused, the image grows as the film moves away.
+    // This lens moves as a whole; when it is refocused, the image grows as the film moves away.
     let breathing = report["breathing"].as_array().expect("an array");
     let scales: Vec<f64> = breathing.iter().map(|focus| number(focus, "image_scale_px")).collect();
     assert!(scales.len() == 4 && scales.windows(2).all(|pair| pair[0] < pair[1]), "{scales:?}");
@@ -183,7 +183,7 @@ fn rays_that_a_plane_cannot_hold_are_reported() {
     assert!(words.contains("projects onto a plane") && words.contains("kannala-brandt"), "{words}");
     let whole = report("fisheye.6mm", "ftheta", &[]);
     assert_eq!(number(&whole, "held_half_field_deg"), number(&whole, "half_field_deg"));
-    // If the film is larger than the image, the lit part is fitted, and the report states it.
+    // If the film is larger than the image, only the lit part is fitted, and the report states this.
     let dark = report("dgauss.50mm", "opencv", &["--film-diagonal", "80"]);
     assert!(number(&dark, "lit_share_of_film") < 0.9 && number(&dark["errors"], "worst_px") < 1.0, "{dark}");
     let words = succeeds(
@@ -204,7 +204,7 @@ fn what_cannot_be_exported_is_refused_with_what_to_do() {
     assert!(fails(&["export", "--as", "opencv"], "", 2).contains("which lens"));
 }
 
-/// Returns height, width, channels, and values of a `NumPy` file.
+/// Returns height, width, channels and values of a `NumPy` file.
 fn npy(path: &Path) -> ([usize; 3], Vec<f32>) {
     let bytes = fs::read(path).unwrap();
     let start = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
@@ -235,7 +235,8 @@ fn the_rays_of_every_pixel_are_the_exact_ones() {
         let (x, y) = (column as f64 + 0.5 - 48.0, row as f64 + 0.5 - 32.0);
         let radius = x.hypot(y);
         let ray = field.chief_ray(radius * number(&report, "pixel_mm")).expect("lit");
-        // A pixel at the right sees the right, one below sees below, where lens space has y up.
+        // A pixel at the right sees the right side, and a pixel below the centre sees below, where lens space has y
+        // up.
         let turned = |[_, h, z]: [f64; 3]| [-h * x / radius, h * y / radius, z];
         let expected = [turned(ray.origin), turned(ray.direction)].concat();
         let found = &values[6 * (96 * row + column)..][..6];
@@ -244,7 +245,7 @@ fn the_rays_of_every_pixel_are_the_exact_ones() {
         }
         assert!(x * f64::from(found[3]) > 0.0 && y * f64::from(found[4]) < 0.0);
     }
-    // An EXR file has the same values, in the order of names.
+    // An EXR file has the same values, with the channels in alphabetical order.
     let path = written(dir.path(), "wide.22mm", "rays", "rays.exr");
     let image = exr::prelude::read_first_flat_layer_from_file(path).unwrap();
     let channels = &image.layer_data.channel_data.list;
@@ -268,18 +269,19 @@ fn st_maps_lead_there_and_back_and_hold_the_exact_distortion() {
             assert!(value[2] == 1.0 || value == [-1.0, -1.0, 0.0], "{value:?}");
         }
     }
-    // A pixel's centre and the map's value there are both measured from the middle, down and to the right.
+    // The pixel's centre and the map's value at that pixel are both measured from the middle of the picture, down and
+    // to the right.
     let read = |(_, values): &(_, Vec<f32>), column: usize, row: usize| {
         let at = &values[3 * (96 * row + column)..][..2];
         [96.0 * (f64::from(at[0]) - 0.5), 64.0 * (0.5 - f64::from(at[1]))]
     };
     for (column, row) in [(0, 0), (90, 60), (47, 31), (10, 50)] {
         let [x, y] = [column as f64 + 0.5 - 48.0, row as f64 + 0.5 - 32.0];
-        // The lens's picture maps to the point of the pinhole's that sees the same.
+        // A pixel of the lens's picture maps to the point of the pinhole's picture that sees the same object.
         let [u, v] = read(&maps[1], column, row);
         let expected = scale * exact(x.hypot(y)).expect("lit").tan();
         assert!((u.hypot(v) - expected).abs() < 1e-4 && (u * y - v * x).abs() < 1e-2, "{u} {v} {expected}");
-        // The pinhole's picture maps to the point of the lens's with the same ray.
+        // A pixel of the pinhole's picture maps to the point of the lens's picture with the same ray.
         let [u, v] = read(&maps[0], column, row);
         let angle = (x.hypot(y) / scale).atan();
         let back = exact(u.hypot(v)).expect("lit");
@@ -322,7 +324,8 @@ fn spots_match_focus_on_the_axis_and_grow_toward_the_corner() {
     assert!(number(axis, "offset_mm").abs() < 1e-6);
     assert!((number(axis, "rms_radial_mm") / number(axis, "rms_tangential_mm") - 1.0).abs() < 1e-3);
     assert!(number(axis, "encircled_50_mm") < number(axis, "encircled_80_mm"));
-    // Focusing uses rays uniform over the pupil: the RMS distance from the axis of an axial point's rays.
+    // Focusing uses rays that are uniform over the pupil; the expected value is the RMS distance from the axis of the
+    // rays of an axial point.
     let lens = Lens::at_d_line(&catalogue::find("dgauss.50mm").expect("listed"));
     let [rms, _] = Focus::new(&lens).expect("it focuses").axial_spot();
     let found = number(axis, "rms_radial_mm").hypot(number(axis, "rms_tangential_mm"));
@@ -344,7 +347,7 @@ fn files_of_models_have_the_numbers_of_the_report() {
         line.split(" = ").nth(1).unwrap().parse::<f64>().expect("a number")
     };
     let numbers_of = report("wide.22mm", "usd", &[]);
-    // In a world of centimetres a tenth of a unit is a millimetre.
+    // If the world unit is a centimetre, a tenth of a unit is a millimetre.
     let focal_length = number(&numbers_of["parameters"], "fx_px") * number(&numbers_of, "pixel_mm");
     assert!((value(&usd, "focalLength") - focal_length).abs() < 1e-9, "{usd}");
     let size = numbers(&numbers_of["film_size_mm"]);
@@ -353,7 +356,7 @@ fn files_of_models_have_the_numbers_of_the_report() {
     let ftheta = succeeds(&["export", "wide.22mm", "--as", "ftheta"], "");
     let k = numbers(&report("wide.22mm", "ftheta", &[])["parameters"]["k"]);
     for (i, k) in k.iter().enumerate() {
-        // serde_json reads a number correctly to its last digit or one unit beside it.
+        // serde_json may read the last digit of a number one unit too high or too low.
         let written = value(&ftheta, &format!("omni:lensdistortion:ftheta:k{i}"));
         assert!((written - k).abs() <= 1e-15 * k.abs(), "{written} {k}");
     }
@@ -370,7 +373,7 @@ fn files_of_models_have_the_numbers_of_the_report() {
     for (written, l) in numbers(&lens["distortion"][0]["radial"]).iter().zip(&radial) {
         assert!((written - l).abs() <= 1e-15 * l.abs(), "{written} {l}");
     }
-    // A T-number is present if surfaces reflect, and equals the one in the lens's own report.
+    // A T-number is present only if surfaces reflect, and then equals the one in the lens's own report.
     assert!(lens.get("tStop").is_none(), "{lens}");
     let coated = ["export", "wide.22mm", "--as", "opentrackio", "--transmission", "quarter-wave"];
     let coated: Value = serde_json::from_str(&succeeds(&coated, "")).expect("JSON");
@@ -380,7 +383,7 @@ fn files_of_models_have_the_numbers_of_the_report() {
         (found / known - 1.0).abs() < 1e-9 && found > number(&coated["lens"], "fStop"),
         "{found} {known}"
     );
-    // The formula of the other direction leads back within both errors.
+    // The formula for the opposite direction leads back to the angle, within the errors of both formulas.
     let l = numbers(&lens["distortion"][1]["radial"]);
     let (focal_length, pixel) = (number(lens, "pinholeFocalLength"), number(&own, "pixel_mm"));
     for angle in [0.1_f64, 0.4, 0.65] {
@@ -393,7 +396,7 @@ fn files_of_models_have_the_numbers_of_the_report() {
     }
 }
 
-/// Returns the table of docs/export.md: the catalogue by models, worst pixel.
+/// Returns the table of docs/export.md, which has the worst pixel of each model for the catalogue's lenses.
 fn table() -> String {
     let list: Value = serde_json::from_str(&succeeds(&["lens", "--list", "--json"], "")).expect("JSON");
     let names: Vec<&str> =
@@ -457,6 +460,6 @@ fn usd_has_an_exposure_only_if_one_is_given() {
     };
     let names = ["exposure", "exposure:iso", "exposure:time", "exposure:responsivity"];
     assert_eq!(names.map(attribute), [-1.0, 200.0, 0.01, 1.0]);
-    // A corrected lens at infinity: the T-number without loss is nearly the f-number.
+    // For a corrected lens focused at infinity, the T-number without losses is nearly the f-number.
     assert!((attribute("exposure:fStop") / attribute("fStop") - 1.0).abs() < 0.05, "{exposed}");
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 
 const SINGLET: &str = "20 5 1.5 10\n-20 0 1 10\n";
 
-/// Runs the program where no file may grow beyond a few hundred bytes, as on a full disk.
+/// Runs the program where no file may grow beyond a few hundred bytes, which acts like a full disk.
 #[cfg(unix)]
 fn on_a_full_disk(directory: &Path, arguments: &[&str]) -> std::process::Output {
     let script = "trap '' XFSZ; ulimit -f 1; exec \"$0\" \"$@\"";
@@ -103,7 +103,7 @@ fn lenses_and_distances_of_any_size_have_a_few_digits() {
 
 #[test]
 fn focus_answers_for_the_requested_conjugate() {
-    // Film distances by exact rays and by first-order optics, mm.
+    // Returns the film distances by exact rays and by first-order optics, mm.
     let film_distances = |film: &str| -> [f64; 2] {
         let stdout = succeeds(&["focus", "dgauss.50mm", "--film-distance", film], "");
         let line = stdout.lines().find(|line| line.starts_with("film distance")).unwrap();

@@ -5,7 +5,7 @@ use std::ffi::OsStr;
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// Pictures that other programs make, and the tests that compare them.
+/// Pictures that other programs make, each with the test that compares it.
 const BY_OTHERS: [(&str, &str); 4] = [
     ("python-export-grid.png", "python/tests/test_examples.py"),
     ("python-picture.png", "python/tests/test_examples.py"),
@@ -13,28 +13,29 @@ const BY_OTHERS: [(&str, &str); 4] = [
     ("blender-studio.jpg", "blender/tests/test_pictures.py"),
 ];
 
-/// A picture that shows its noise, so the test makes it in its own size, with its own samples.
+/// A picture that shows its own noise, so the test makes it in its full size and with its full number of samples.
 const AS_IT_IS: &str = "slide-lamps.png";
-/// A picture so bright that the share above white depends on the noise, so the test makes it with its own samples.
+/// A picture so bright that the share of it above white depends on the noise, so the test makes it with its full
+/// number of samples.
 const BRIGHT: &str = "slide-colour.jpg";
-/// A picture of many lamps as small as a pixel, whose light above white is lost pixel by pixel, so the test makes it in
-/// [`FINE`] pixels.
+/// A picture of many lamps as small as a pixel, whose light above white is clipped in each pixel, so the test makes
+/// it at the size [`FINE`].
 const LAMPS: &str = "fisheye.jpg";
-/// Size at which a sheet of panels has gaps and letters in proportion.
+/// Size at which a sheet of panels still has gaps and letters in proportion.
 const SMALL: &str = "300x200";
 const FINE: &str = "600x400";
-/// Cells along a side of a flare's grid.
+/// Number of cells along a side of a flare's grid.
 const CELLS: &str = "24";
 /// Largest number of samples per pixel.
 const SAMPLES: u32 = 16;
-/// Pixels on either side over which a small picture is averaged.
+/// Number of pixels on either side over which a small picture is averaged.
 const BLUR: usize = 5;
-/// Largest difference of decoded pictures, with 1 as white on the screen, that one blurred value in a hundred may
-/// exceed. Noise, numbers of samples written on slides and lamps above white cause 0.03. JPEG of quality 90 adds 0.001
-/// to that. A colour slide with a wrong dispersion causes 0.07.
+/// Largest difference of decoded pictures, with the screen's white as 1, that one blurred value in a hundred may
+/// exceed. Noise, the numbers of samples written on slides, and lamps above white cause 0.03. JPEG of quality 90 adds
+/// 0.001 to that. A colour slide with a wrong dispersion causes 0.07.
 const DIFFERENCE: f32 = 0.06;
 
-/// A picture's planes of linear light.
+/// A picture as planes of linear light.
 struct Picture {
     size: [usize; 2],
     planes: [Vec<f32>; 3],
@@ -55,8 +56,8 @@ impl Picture {
         Self { size, planes }
     }
 
-    /// Resizes to another picture's size. A wider picture is cut to its left part, because the command did not make the
-    /// rest.
+    /// Resizes to the size of another picture. A wider picture is cut to its left part, because the command did not
+    /// make the rest.
     fn like(mut self, [width, height]: [usize; 2]) -> Self {
         let scale = self.size[1] as f32 / height as f32;
         let taken = ((width as f32 * scale).round() as usize).min(self.size[0]);
@@ -78,7 +79,7 @@ impl Picture {
     }
 }
 
-/// Width and height, samples per pixel, and the samples, 8 bits each.
+/// Width and height, samples per pixel, and the samples with 8 bits each.
 type Decoded = ([usize; 2], usize, Vec<u8>);
 
 fn decoded_png(file: &[u8]) -> Decoded {
@@ -98,7 +99,7 @@ fn decoded_jpeg(file: &[u8]) -> Decoded {
     ([width, height], bytes.len() / (width * height), bytes)
 }
 
-/// Changes every row of a plane and transposes it: applied twice, it changes rows and columns.
+/// Changes every row of a plane and transposes the plane; two calls change rows and columns.
 fn rows(plane: &[f32], width: usize, change: impl Fn(&[f32]) -> Vec<f32>) -> Vec<f32> {
     let lines: Vec<_> = plane.chunks_exact(width).map(change).collect();
     (0..lines[0].len()).flat_map(|at| lines.iter().map(move |line| line[at])).collect()
@@ -122,7 +123,7 @@ fn means(line: &[f32]) -> Vec<f32> {
     (0..line.len()).map(|at| around(at).iter().sum::<f32>() / around(at).len() as f32).collect()
 }
 
-/// Returns the pictures of a page, each with the first command of the program in the text under it.
+/// Returns the pictures of a page, each with the program's first command in the text below the picture.
 fn pictures(page: &str) -> Vec<(String, Option<Vec<String>>)> {
     let under = |rest: &str| -> Option<Vec<String>> {
         let end = [rest.find("!["), rest.find("\n#")].into_iter().flatten().min().unwrap_or(rest.len());
@@ -143,7 +144,7 @@ fn stem(file: &str) -> &OsStr {
     Path::new(file).file_stem().unwrap()
 }
 
-/// Returns the command with another output, and with a small size if it is a render that allows it.
+/// Returns the command with another output path, and with a small size if it is a render that allows this.
 fn with_output(command: &[String], out: &str) -> Vec<String> {
     let mut arguments = command.to_vec();
     let set = |arguments: &mut Vec<String>, name: &str, value: &str| match arguments
@@ -163,8 +164,8 @@ fn with_output(command: &[String], out: &str) -> Vec<String> {
     }
     if command[0] == "render" && stem(out) != stem(AS_IT_IS) {
         set(&mut arguments, "--size", if stem(out) == stem(LAMPS) { FINE } else { SMALL });
-        // The smooth filter has a fixed width in pixels, so in a small picture it spreads lamps over a larger part of
-        // it.
+        // The smooth filter has a fixed width in pixels, so in a small picture it would spread lamps over a larger
+        // part of the picture.
         if !arguments.iter().any(|argument| argument == "--slide") {
             set(&mut arguments, "--filter", "box");
         }
@@ -190,7 +191,7 @@ fn every_picture_is_what_its_command_makes() {
     for page in pages {
         for (name, command) in pictures(&std::fs::read_to_string(&page).unwrap()) {
             let committed = root.join("docs/images").join(&name);
-            // Pages share pictures; both commands of a picture that has two make it.
+            // Pages share pictures; if two commands belong to one picture, both of them are run.
             if seen.contains(&(name.clone(), command.clone())) {
                 continue;
             }
@@ -201,7 +202,7 @@ fn every_picture_is_what_its_command_makes() {
                 continue;
             }
             let command = command.unwrap_or_else(|| panic!("{}: no command under {name}", page.display()));
-            // The program writes PNG; a maintainer converts it to JPEG.
+            // The program writes a PNG file, which a maintainer converts to JPEG.
             let made = folder.path().join(name.replace(".jpg", ".png"));
             let arguments = with_output(&command, made.to_str().unwrap());
             let output = realistic(root, &arguments.iter().map(String::as_str).collect::<Vec<_>>());

@@ -1,4 +1,4 @@
-//! Tests of the built program, run like a user runs it.
+//! Tests of the built program, which they run as a user does.
 
 mod export;
 mod files;
@@ -38,8 +38,7 @@ fn run_in(directory: &Path, arguments: &[&str], input: &str) -> Output {
         .spawn()
         .expect("the program starts");
     let mut pipe = child.stdin.take().expect("a pipe");
-    // A separate thread writes the input, so that neither side waits for the other with its pipe
-    // full.
+    // A separate thread writes the input, so that the two sides never wait for each other with full pipes.
     let input = input.to_owned();
     let writer = std::thread::spawn(move || {
         // A program that needs no input may have ended already.

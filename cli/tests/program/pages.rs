@@ -1,22 +1,22 @@
-//! The commands on the pages of the documentation work as shown: every line `realistic …` of a block marked `sh` runs
-//! in an empty folder, page by page, after the lens files of blocks marked `lens NAME` are written. A block marked
-//! `output` has lines that the last command before it prints, with as many digits as the page shows.
+//! The commands on the pages of the documentation work as shown. Every line `realistic …` of a block marked `sh` runs
+//! in an empty folder, one folder per page, after the lens files from blocks marked `lens NAME` are written. A block
+//! marked `output` has lines that the last command before it prints, with as many digits as the page shows.
 
 use super::{realistic, run_in};
 use std::fs;
 use std::path::Path;
 
-/// Size and samples of pictures rendered here, unless the page renders tiles.
+/// Size and number of samples of the pictures rendered here, unless the page renders tiles.
 const SMALL: [(&str, &str); 2] = [("--size", "24x16"), ("--spp", "1")];
 
-/// Returns a page's blocks: the text after the three marks, and the block's text.
+/// Returns the blocks of a page: for each, the text after its three backticks, and its content.
 fn blocks(page: &str) -> Vec<(&str, &str)> {
     let parts = page.split("\n```").skip(1).step_by(2);
     parts.filter_map(|part| part.split_once('\n')).collect()
 }
 
-/// Returns a line's words without its comment, and the input piped into the command; `None` for a line of another
-/// program.
+/// Returns the words of a line without its comment, and the input that is piped into the command; `None` for a line
+/// of another program.
 fn command(line: &str) -> Option<(Vec<String>, String)> {
     let line = line.split_once(" #").map_or(line, |(line, _)| line).trim();
     let (input, line) = match line.strip_prefix("echo ").and_then(|rest| rest.split_once(" | ")) {
@@ -40,13 +40,13 @@ fn small(mut words: Vec<String>) -> Vec<String> {
     words
 }
 
-/// Returns words and numbers of a line, without the commas between them.
+/// Returns the words and numbers of a line, without the commas between them.
 fn words(line: &str) -> Vec<&str> {
     line.split([' ', ',']).filter(|word| !word.is_empty()).collect()
 }
 
-/// Whether a printed word matches a page's: the same word, a whole number that it rounds to, or another number within a
-/// unit of the last digit shown.
+/// Whether a printed word matches a word on a page: it is the same word, it rounds to a whole number that the page
+/// shows, or it is a number within a unit of the last digit shown.
 fn is_shown(shown: &str, printed: &str) -> bool {
     let (Ok(expected), Ok(number)) = (shown.parse::<f64>(), printed.parse::<f64>()) else {
         return shown == printed;
@@ -57,7 +57,7 @@ fn is_shown(shown: &str, printed: &str) -> bool {
     (expected - number).abs() <= if decimals > 0 { 1.000_001 * unit } else { 0.5 * unit }
 }
 
-/// Returns the lines of an output block that are not among those printed; `...` matches the rest of a line.
+/// Returns the lines of an output block that are not among the printed lines; `...` matches the rest of a line.
 fn not_printed<'a>(block: &'a str, printed: &str) -> Vec<&'a str> {
     let is_printed = |line: &&str| {
         let shown = words(line);
@@ -88,7 +88,7 @@ fn every_command_on_a_page_runs_and_prints_what_the_page_shows() {
             if let Some(name) = mark.strip_prefix("lens ") {
                 fs::write(folder.path().join(name), text).unwrap();
             }
-            // A compiled program has its own test.
+            // A compiled program has a test of its own.
             if mark == "output" && !printed.is_empty() {
                 shown += 1;
                 for line in not_printed(text, &printed) {

@@ -1,4 +1,4 @@
-//! The commands that take and draw the lecture's pictures.
+//! The commands that take pictures and draw the pictures of the lecture.
 
 use super::realistic;
 use std::path::Path;
@@ -37,7 +37,7 @@ fn a_lens_that_is_moved_back_has_the_subject_in_focus() {
     let (stderr, stdout) =
         (String::from_utf8(output.stderr).unwrap(), String::from_utf8(output.stdout).unwrap());
     assert!(stderr.contains("the camera stands 649.805 mm farther back"), "{stderr}");
-    // Twice 649.8 mm before the front vertex, and the lens and its film distance of 560 to 570 mm.
+    // The focus is twice 649.8 mm in front of the front vertex, plus the lens and its film distance of 560 to 570 mm.
     let focus = stdout.lines().find_map(|line| line.strip_prefix("focus")).unwrap().trim();
     let focus: f64 = focus.split(' ').next().unwrap().parse().unwrap();
     assert!((focus - 2.0 * 649.8 - 450.0).abs() < 200.0, "{focus}");
@@ -84,13 +84,13 @@ fn every_set_of_instructions_makes_the_same_picture() {
     let small = ["render", "--scene", "day", "--size", "36x24", "--spp", "4"];
     for more in [
         &["--lens", "fisheye.10mm", "--param", "precision=f32"][..],
-        // Aspheres, at one wavelength and at several. The table of the phone's pupil would take half a minute in
-        // portable code.
+        // Lenses with aspheres, at one wavelength and at several. The table of the phone's pupil would take half a
+        // minute in portable code.
         &["--lens", "zoom.24-70mm"],
         &["--lens", "phone.4mm", "--wavelengths", "3", "--pupil", "disk"],
         &["--lens", "dgauss.100mm", "--wavelengths", "3", "--param", "precision=f32"],
     ] {
-        // A processor skips instructions that it does not have.
+        // Instructions that the processor does not have are not used.
         let taken = ["portable", "avx2", "avx512"].map(|instructions| {
             let command = std::process::Command::new(env!("CARGO_BIN_EXE_realistic"))
                 .current_dir(dir.path())
@@ -193,7 +193,7 @@ fn autofocus_on_the_card_focuses_on_the_card() {
         let line = text.lines().find(|line| line.starts_with("focus")).unwrap().to_owned();
         line.split_whitespace().nth(1).unwrap().parse::<f64>().unwrap()
     };
-    // The card stands 1000 mm before the lens, which is 68 mm long with the film.
+    // The card stands 1000 mm in front of the lens; lens and film distance together are 68 mm long.
     let card = ["--autofocus", "60,180,60,50"];
     assert!((focus(&card) - 1068.0).abs() < 5.0);
     assert!((focus(&[&card[..], &["--autofocus-by", "contrast"]].concat()) - 1068.0).abs() < 60.0);

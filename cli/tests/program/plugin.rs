@@ -1,5 +1,5 @@
-//! The program finds its plugin in its own build, beside itself when installed, and at the path of a flag or a
-//! variable.
+//! The program finds its plugin in its own build, beside itself when installed, and at the path that a flag or an
+//! environment variable gives.
 
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX, EXE_SUFFIX};
 use std::fs;
@@ -40,7 +40,7 @@ fn render(program: &Path, variable: Option<&Path>, more: &[&str]) -> Output {
     command.output().unwrap()
 }
 
-/// Returns the plugin that a rendering reports.
+/// Returns the path of the plugin that a rendering reports.
 pub(super) fn taken(output: &Output) -> PathBuf {
     assert!(output.status.success(), "{}", refusal(output));
     let text = String::from_utf8_lossy(&output.stdout);
@@ -58,7 +58,7 @@ fn a_stale_plugin_in_a_target_folder_is_not_taken() {
     let program = program_in(target.path());
     let fresh = target.path().join("deps").join(library());
     put(fs::read(built()).unwrap(), &fresh);
-    // This file is written last, so its time does not make it the right one.
+    // This file is written last, so the newest file is not the right one.
     put("left behind by an older build", &target.path().join(library()));
     assert_eq!(taken(&render(&program, None, &[])), fresh.canonicalize().unwrap());
 }

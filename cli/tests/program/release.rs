@@ -1,4 +1,4 @@
-//! The release archive: packed by its script, unpacked elsewhere, and used without the checkout.
+//! The release archive: packed by its script, unpacked elsewhere, and used without the source tree.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -22,7 +22,7 @@ fn unpacked(into: &Path) -> PathBuf {
     let archive = PathBuf::from(String::from_utf8(output.stdout).unwrap().trim());
     succeed(Command::new("tar").arg("-xzf").arg(&archive).arg("-C").arg(into));
     let name = archive.file_name().unwrap().to_str().unwrap().strip_suffix(".tar.gz").unwrap();
-    // Moving the folder reveals a path stored while packing.
+    // Moving the folder reveals any path that was stored while packing.
     let root = into.join("moved");
     std::fs::rename(into.join(name), &root).unwrap();
     root
@@ -70,7 +70,7 @@ fn a_release_is_used_without_the_checkout() {
         assert!(notices.contains(part), "no notice of {part}");
     }
 
-    // The newest version of glibc that either file needs.
+    // The newest version of glibc that either of the two files needs.
     let needs = std::fs::read_to_string(root.join("share/realistic/NEEDS")).unwrap();
     let both = ["bin/realistic", "lib/librealistic.so"].map(|file| root.join(file));
     let symbols = succeed(Command::new("objdump").arg("-T").args(both)).stdout;

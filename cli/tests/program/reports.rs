@@ -21,7 +21,7 @@ fn golden(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../tests/golden").join(name)
 }
 
-/// Returns the argument for a golden lens on the command line.
+/// Returns the command-line argument for a golden lens.
 fn lens(name: &str) -> String {
     let file = golden(&format!("{name}.dat"));
     if file.is_file() { file.to_str().expect("text").to_owned() } else { name.to_owned() }
@@ -39,7 +39,7 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
 }
 
-/// Returns header and ray lines from rows that begin with the six numbers.
+/// Returns a header line and ray lines, from rows that begin with the six numbers of a ray.
 fn input(rows: &[Vec<String>]) -> String {
     let lines: Vec<String> = rows.iter().map(|row| row[..6].join(",")).collect();
     format!("x,y,z,dx,dy,dz\n{}\n", lines.join("\n"))
@@ -176,7 +176,7 @@ fn the_report_agrees_with_other_programs() {
             _ => continue,
         };
         let mut arguments = vec!["lens", name, "--json"];
-        // The other lenses have no V-numbers, and report that if a wavelength is requested.
+        // The other lenses have no V-numbers, and report this if a wavelength is requested.
         if name == "dgauss.100mm" {
             arguments.extend(["--wavelength", wavelength]);
         }
@@ -223,7 +223,8 @@ fn focusing_there_and_back_gives_the_same_distance() {
     let at = number(&hyperfocal, "hyperfocal_distance_mm").to_string();
     let deep = json(&["focus", "dgauss.50mm", "--distance", &at, "--coc", "0.0301", "--json"]);
     assert_eq!(deep["far_limit_mm"], Value::Null);
-    // The default is 0.03 mm on 24 x 36 mm, the photographers' convention, and in proportion on any other film.
+    // The default is 0.03 mm on 24 x 36 mm, by the photographers' convention, and is proportional to the diagonal of
+    // other films.
     for (film, confusion) in [("43.27", 0.03), ("35", 0.024_27)] {
         let report =
             json(&["focus", "dgauss.50mm", "--focus-distance", "inf", "--film-diagonal", film, "--json"]);
@@ -244,7 +245,7 @@ fn a_distance_out_of_reach_names_the_nearest() {
 #[test]
 fn a_pupil_is_measured_and_drawn() {
     let axis = json(&["pupil", "dgauss.50mm", "--film-radius", "0", "--json"]);
-    // The pupil on the axis is a circle, so area and outline agree.
+    // The pupil of an axial point is a circle, so area and outline agree.
     let points = axis["outline_mm"].as_array().expect("points");
     let radius = |point: &Value| point[0].as_f64().expect("x").hypot(point[1].as_f64().expect("y"));
     for point in points {
@@ -269,7 +270,7 @@ fn a_pupil_is_measured_and_drawn() {
     let words = succeeds(&["pupil", "fisheye.10mm", "--film-radius", "40", "--out", path], "");
     assert!(words.contains("empty: no light reaches"), "{words}");
     assert!(std::fs::read_to_string(&file).expect("drawn").contains("no light gets through"));
-    // A rear surface hollow toward the film: its edge reaches 0.64 mm behind the vertex.
+    // The rear surface is concave toward the film: its edge reaches 0.64 mm behind its vertex.
     let hollow = directory.path().join("hollow.dat");
     std::fs::write(&hollow, "15 3 1.5 10\n20 0 1 10\n").expect("written");
     let hollow = hollow.to_str().expect("text");
@@ -328,8 +329,8 @@ fn the_plan_names_what_was_chosen_and_measures_what_it_saves() {
             assert!(number(camera, key) > 0.0, "{camera}");
         }
     }
-    // Each glass has one index, so wavelengths change nothing. With "none" transmission and ghosts are left out, with a
-    // transmission ghosts alone.
+    // Each glass has one index, so wavelengths change nothing. With "none", the camera leaves out transmission and
+    // ghosts; with a transmission, it leaves out only ghosts.
     for (transmission, expected) in
         [("none", &["with transmission", "with transmission, ghosts"] as &[&str]), ("bare", &["with ghosts"])]
     {

@@ -1,5 +1,4 @@
-//! Consistent spelling in every command: the lens, the parameters, the keys of JSON, files and standard
-//! output.
+//! Every command spells these in the same way: the lens, the parameters, the keys of JSON, files and standard output.
 
 use super::{fails, realistic, run, succeeds};
 use serde_json::Value;
@@ -37,7 +36,7 @@ fn every_command_takes_the_lens_as_a_word_and_as_a_flag() {
     let ray = "0,0,-68,0,0,1\n";
     let word = succeeds(&["trace", "wide.22mm"], ray);
     assert_eq!(succeeds(&["trace", "--lens", "wide.22mm"], ray), word);
-    // The only word beside a flag is OUT.
+    // Beside a flag that gives the lens, the only word is OUT.
     let table = succeeds(&["convert", "wide.22mm", "-"], "");
     assert_eq!(succeeds(&["convert", "--lens", "wide.22mm", "-"], ""), table);
     let plan = succeeds(&["plan", "--lens", "wide.22mm"], "");
@@ -62,7 +61,7 @@ fn a_parameter_has_one_name_everywhere() {
     let stopped = picture(&["--fnumber", "8", "--pupil", "rear"]);
     assert!(stopped.starts_with(b"\x89PNG") && stopped != picture(&[]));
     assert!(stopped == picture(&["--param", "fnumber=8", "--param", "pupil=rear"]));
-    // Parameters that need a camera cause a warning for a lens without one.
+    // For a lens without a camera, parameters that need a camera cause a warning.
     let output = run(&["lens", "dgauss.50mm", "--shutter", "leaf"], "");
     let stderr = String::from_utf8(output.stderr).unwrap();
     assert!(output.status.success() && stderr.contains("\"shutter\" changes nothing here"), "{stderr}");
@@ -112,7 +111,7 @@ fn traced_rays_are_objects_with_the_values_of_the_columns() {
         let cells: Vec<&str> = line.split(',').collect();
         for (key, cell) in ["x_mm", "y_mm", "z_mm", "dx", "dy", "dz"].iter().zip(&cells) {
             let (own, column): (f64, f64) = (object[key].as_f64().unwrap(), cell.parse().unwrap());
-            // serde_json reads a number correctly to its last digit or one unit beside it.
+            // serde_json may read the last digit of a number one unit too high or too low.
             assert!((own - column).abs() <= 1e-15 * column.abs(), "{key}: {own} {column}");
         }
         assert_eq!(object["status"], cells[6]);
@@ -141,7 +140,7 @@ fn every_commands_film_fits_the_lens_unless_given() {
         let given = run(&[arguments, &["--film-diagonal", "6"]].concat(), "");
         assert!(!String::from_utf8(given.stderr).unwrap().contains(note), "{arguments:?}");
     }
-    // The picture is lit to its edges.
+    // The picture has light up to its edges.
     let got = |more: &[&str]| -> f64 {
         let output = run(&[&["render", "phone.4mm", "-o", "-"], &small[..], more].concat(), "");
         let stderr = String::from_utf8(output.stderr).unwrap();
@@ -205,6 +204,6 @@ fn a_table_written_by_hand_is_kept_unless_forced() {
     assert_eq!(fs::read_to_string(&file).unwrap(), hand);
     assert!(convert(&["--force"]).status.success());
     let table = fs::read(&file).unwrap();
-    // A converted table may be converted again.
+    // A table that `convert` wrote may be overwritten by `convert`.
     assert!(convert(&[]).status.success() && fs::read(&file).unwrap() == table);
 }

@@ -1,10 +1,10 @@
-//! Tiles of a picture from several processes, and the picture joined from them.
+//! Tiles of a picture from several processes, and the whole picture joined from them.
 
 use super::realistic;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// Parts of a 50 x 34 picture, of odd sizes, a single pixel among them.
+/// Parts of a 50 x 34 picture with odd sizes, one of them a single pixel.
 const CROPS: [&str; 5] = ["0,0,17,34", "17,0,50,9", "17,9,18,10", "18,9,50,34", "17,10,18,34"];
 const SMALL: [&str; 5] = ["render", "--size", "50x34", "--spp", "3"];
 
@@ -27,7 +27,7 @@ fn refused(directory: &Path, arguments: &[&str], words: &[&str]) {
     }
 }
 
-/// Renders the tiles at once, each by its own process, and returns their files, the last first.
+/// Renders the tiles at the same time, each in its own process, and returns their files, the last file first.
 fn tiles(directory: &Path, ending: &str, more: &[&str]) -> Vec<String> {
     let tile = |(number, crop): (usize, &&str)| {
         let file = format!("tile{number}.{ending}");
@@ -139,12 +139,12 @@ fn tiles_that_make_no_picture_are_refused_by_name() {
         run(dir.path(), &[&right[..], more].concat());
         merge(&["left.png", "other.png"], &[&["left.png", "other.png"], words].concat());
     }
-    // The lens has the same focus for these scenes.
+    // For both scenes, the lens has the same focus.
     for (file, crop, scene) in [("day.png", "0,0,25,34", "day"), ("night.png", "25,0,50,34", "night")] {
         take(file, crop, &["--scene", scene]);
     }
     merge(&["day.png", "night.png"], &["day.png", "night.png", "scene", "Day", "Night"]);
-    // Different lenses of one name.
+    // Different lenses with the same file name.
     for (folder, radius) in [("a", "50"), ("b", "51")] {
         std::fs::create_dir(dir.path().join(folder)).unwrap();
         let text = format!("{radius} 5 1.5 10\n-50 40 1 10\n");

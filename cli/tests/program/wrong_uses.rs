@@ -3,10 +3,10 @@
 use super::realistic;
 use std::fs;
 
-/// Arguments, the exit code, and words of the answer.
+/// Arguments, exit code, and words that the answer must contain.
 type WrongUse = (&'static [&'static str], i32, &'static [&'static str]);
 
-/// Exit code 2 is a wrong use; 1 is an unusable lens, focus or file.
+/// Exit code 2 stands for wrong use, and 1 for an unusable lens, focus or file.
 const WRONG_USES: &[WrongUse] = &[
     // Commands and flags.
     (&["rendr"], 2, &["unrecognized subcommand 'rendr'", "'render'"]),
@@ -203,7 +203,7 @@ fn values_may_begin_with_a_minus() {
     }
 }
 
-/// File names are bytes to the system.
+/// For the system, file names are bytes.
 #[cfg(unix)]
 #[test]
 fn names_that_are_not_utf_8_are_refused() {
@@ -252,7 +252,7 @@ fn short_help_fits_a_screen_and_long_help_is_complete() {
     for row in realistic_camera::PARAMETERS {
         assert!(long.contains(&format!("--{} <", row.name.replace('_', "-"))), "{}", row.name);
     }
-    // The defaults are those that the command uses: `pictures` and `spellings` test that.
+    // The defaults are those that the command uses, as `pictures` and `spellings` test.
     let joined = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
     let long = joined(&long);
     for words in [

@@ -39,7 +39,7 @@ fn table_path(text: &str) -> Result<PathBuf, String> {
 /// Writes the table and reports its path.
 ///
 /// # Errors
-/// No such lens, a file whose contents would be lost, or one that cannot be written.
+/// There is no such lens, the contents of an existing file would be lost, or the file cannot be written.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let (lens, out) = lens_and_out(args)?;
     let opened = lens.open_as_it_is()?;
@@ -60,7 +60,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     Ok(console::report(&format!("{}\n", out.display()), &out)?)
 }
 
-/// Parses the arguments: if a flag gives the lens, the only word is OUT.
+/// Parses the arguments: if a flag gives the lens, the only positional word is OUT.
 fn lens_and_out(args: &Args) -> Result<(LensChoice, PathBuf), Failure> {
     let mut lens = args.lens.clone();
     let is_alone = args.word.is_none() && args.out.is_none();
@@ -81,17 +81,17 @@ fn is_same_file(one: &Path, other: &Path) -> bool {
     one.canonicalize().is_ok_and(|one| other.canonicalize().is_ok_and(|other| one == other))
 }
 
-/// Whether the file exists and holds other work than ours.
+/// Whether the file exists and holds anything but this program's output.
 fn has_other_work(out: &Path) -> bool {
     let found = out.metadata().ok().filter(std::fs::Metadata::is_file);
     let is_ours = || crate::files::read(out, MAX_FILE_BYTES).is_ok_and(|old| is_written_by_us(&old));
     !is_stdout(out) && found.is_some_and(|found| found.len() > MAX_FILE_BYTES || !is_ours())
 }
 
-/// Whether a file holds nothing but our own output for its lens.
+/// Whether a file holds exactly what this program writes for the lens in it.
 fn is_written_by_us(bytes: &[u8]) -> bool {
     let Ok(lens) = read("old.dat", bytes) else { return false };
-    // Remarks describe the file that was converted.
+    // Remarks depend on the file from which the table was converted.
     let of_another = |line: &&str| !line.starts_with(table::REMARK);
     let text = String::from_utf8_lossy(bytes);
     text.lines().filter(of_another).eq(table::write(&lens).lines())

@@ -1,5 +1,5 @@
 //! Writes a prescription as the project's own table (`docs/lens-format.md`). The table reads back to the same bits:
-//! every number has enough digits to tell it from its neighbours.
+//! every number has enough digits to distinguish it from the neighbouring doubles.
 
 use realistic_optics::prescription::{
     Asphere, Blades, Coating, FIRST_POWER, Interface, Medium, Positions, Prescription, STACK, Shape,
@@ -8,13 +8,13 @@ use realistic_optics::prescription::{
 };
 use std::fmt::Write as _;
 
-/// Prefix of a line that states how a statement was interpreted differently from the source.
+/// Prefix of a remark, a line about a statement of the source that was interpreted differently.
 pub const REMARK: &str = "# as it was read: ";
 
 /// Returns the text of the table.
 pub fn write(lens: &Prescription) -> String {
     let mut text = String::new();
-    // The first comment is the title, so without a title there are no comments.
+    // The first comment of a table is its title, so a lens without a title has no comments.
     if let Some(title) = &lens.title {
         let _ = writeln!(text, "# {title}");
         for remark in &lens.remarks {
@@ -22,7 +22,7 @@ pub fn write(lens: &Prescription) -> String {
         }
     }
     let columns = lens.positions.as_ref().map_or(&[][..], |positions| &positions.columns);
-    // With positions, the lens has the focal length of the first one unless it states another.
+    // With positions, the lens has the focal length of the first position unless it states another.
     match (lens.stated_focal_length, columns.first()) {
         (Some(length), Some(first)) if first.focal_length != Some(length) => {
             let _ = writeln!(text, "{}", number(length));
@@ -80,7 +80,7 @@ pub fn write(lens: &Prescription) -> String {
             }
             line(&mut text, "coating", &values);
         }
-        // A list of coatings that are all bare is written, too.
+        // A list of coatings is written even if all of them are bare.
         if coated().next().is_none() {
             line(&mut text, "coating", &["all".to_owned(), Coating::Bare.name().to_owned()]);
         }
@@ -149,8 +149,8 @@ fn write_positions(text: &mut String, positions: &Positions, rows: usize) {
     }
 }
 
-/// Returns the file's name for a glass of n_d and V, as a comment; empty without a title, because then there are no
-/// comments.
+/// Returns the name that the file gives to a glass of n_d and V, as a comment; empty for a lens without a title,
+/// because then there are no comments.
 fn name_of_numbers(lens: &Prescription, interface: &Interface) -> String {
     let is_numbers = matches!(interface.medium, Medium::Glass { .. }) && lens.title.is_some();
     lens.glass_behind(interface)
@@ -160,13 +160,13 @@ fn name_of_numbers(lens: &Prescription, interface: &Interface) -> String {
 
 /// Writes the wavelength range in which a formula is valid, µm.
 fn range(range: [f64; 2]) -> String {
-    // The shortest decimal reads back to the same number of nm.
+    // The shortest decimal number that reads back to the same number of nm is written.
     let [from, to] = range.map(|end| number(format!("{:.12e}", 1e-3 * end).parse().unwrap_or(1e-3 * end)));
     format!(" from={from} to={to}")
 }
 
-/// Returns the glasses that have a formula, each with a name valid in a table and the first interface that it is
-/// behind. The name is the lens's own if that is a word that begins with a letter.
+/// Returns the glasses that have a formula, each with a name that is valid in a table and with the first interface in
+/// front of the glass. The name is the lens's own name for the glass if that is a word that begins with a letter.
 fn glass_names(lens: &Prescription) -> Vec<(String, Interface)> {
     let mut names: Vec<(String, Interface)> = Vec::new();
     for interface in &lens.interfaces {
@@ -187,7 +187,7 @@ fn glass_names(lens: &Prescription) -> Vec<(String, Interface)> {
     names
 }
 
-/// Whether the same glass is behind both interfaces.
+/// Whether both interfaces have the same glass behind them.
 fn has_one_glass(a: &Interface, b: &Interface) -> bool {
     a.glass == b.glass && a.medium == b.medium
 }
@@ -201,7 +201,7 @@ fn is_word(name: &str) -> bool {
         && !name.eq_ignore_ascii_case("stop")
 }
 
-/// Writes the formula of a glass with its constants.
+/// Writes the formula of a glass, with the formula's constants.
 fn definition(medium: Medium) -> String {
     let named = |name: &str, value: f64| format!("{name}={}", number(value));
     let numbered = |letter: char, values: &[f64]| {
@@ -233,7 +233,8 @@ fn definition(medium: Medium) -> String {
     format!("{formula} {}", constants.join(" "))
 }
 
-/// Writes the conic constant and the nonzero terms. A term of -0 is written, too, to read back to the same bits.
+/// Writes the conic constant and the nonzero terms. A term of -0 is written, too, so that it reads back to the same
+/// bits.
 fn constants(asphere: &Asphere) -> String {
     let terms = (FIRST_POWER..).zip(asphere.terms).filter(|(_, term)| term.to_bits() != 0);
     let terms = terms.map(|(power, term)| format!(" A{power}={}", number(term)));
@@ -251,7 +252,7 @@ fn radius(interface: &Interface, in_front: Medium) -> String {
     }
 }
 
-/// Returns the cells of index and V-number.
+/// Returns the cells for the index and the V-number.
 fn medium_cells(interface: &Interface, names: &[(String, Interface)]) -> [String; 2] {
     let dash = || "-".to_owned();
     match interface.medium {
@@ -271,8 +272,8 @@ mod tests {
     use realistic_optics::prescription::{GlassLibrary, catalogue, read, read_with};
     use std::sync::Arc;
 
-    /// Formats the parts of a lens that read back, to the bit (`{:?}` distinguishes -0 from 0): all but name, remarks,
-    /// findings and glass names.
+    /// Formats the parts of a lens that read back to the same bits (`{:?}` distinguishes -0 from 0): all except the
+    /// name, the remarks, the findings and the names of glasses.
     fn bits(lens: &Prescription) -> String {
         let absorb = lens.transmittances();
         let mut lens = Prescription { name: String::new(), glasses: Vec::new(), ..lens.clone() };
@@ -373,7 +374,7 @@ mod tests {
         there_and_back(&lens);
         let back = read("own.dat", text.as_bytes()).unwrap();
         assert_eq!((&back.glasses, back.wavelength), (&lens.glasses, Some(248.0)));
-        // The row has a model glass as numbers, and its name as a comment.
+        // The row has a model glass as two numbers, and the glass's name as a comment.
         let model = zmx.replace("0.248", "0.6").replace("NIFS-S 3 0 1.9 20", "OWN-7 1 0 1.9 20");
         let lens = read("x.zmx", model.as_bytes()).unwrap();
         assert!(write(&lens).contains("  1.9  20  10  # OWN-7\n"), "{}", write(&lens));

@@ -1,4 +1,4 @@
-//! `realistic flare`: the ghosts of a lamp on film, in W/m² per W/m², and the surfaces that make them.
+//! `realistic flare`: the ghosts of a lamp on film, in W/m² per W/m², and the pairs of surfaces that cause them.
 
 mod splat;
 mod table;
@@ -113,15 +113,15 @@ fn wavelengths(text: &str) -> Result<u32, String> {
     }
 }
 
-/// Cells along a side of the grid that ranks the pairs.
+/// Number of cells along a side of the grid that ranks the pairs.
 const RANKING: usize = 32;
-/// Largest share of the ghosts' watts that the pairs left out of the picture may have in total.
+/// Largest share of the ghosts' watts that all pairs left out of the picture may have together.
 const LEFT_OUT: f64 = 1e-4;
 
 /// Writes the pictures and prints the table.
 ///
 /// # Errors
-/// No such lens, a film distance inside the lens, or a file that cannot be written.
+/// There is no such lens, the film distance lies inside the lens, or a file cannot be written.
 pub fn run(args: &Args) -> Result<(), Failure> {
     let opened = args.lens.open_with_blades()?;
     let film_distance = opened.film_distance()?;
@@ -138,7 +138,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     };
     if !args.json {
         let raster = args.film.raster();
-        // Each thread has a picture of four doubles, and the file is made from one.
+        // Each thread has a picture of four doubles per pixel, and the file is made from a single picture.
         let threads = rayon::current_num_threads() as u64;
         check_memory([raster.xres, raster.yres], 32 * (threads + 2) + 40)?;
     }
@@ -167,12 +167,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     Ok(console::answer(&text, written.as_deref())?)
 }
 
-/// Share of the pixels brighter than white unless white is given, as 1 in N: a ghost in focus near the film is
-/// thousands of times as bright as the others, on few pixels.
+/// Share of the pixels that are brighter than white, as 1 in N, unless white is given: a ghost in focus near the film
+/// is thousands of times as bright as the others, but covers few pixels.
 const ABOVE_WHITE: usize = 100;
 
-/// Returns the value that one pixel in a hundred exceeds; the brightest pixel's if that value is 0, and 1 if all are
-/// dark.
+/// Returns the value that one pixel in a hundred exceeds; if that value is 0, the value of the brightest pixel; 1 if
+/// all pixels are dark.
 fn automatic_white(picture: &Picture) -> f32 {
     let mut most: Vec<f32> = picture.pixels.iter().map(|[r, g, b]| r.max(*g).max(*b)).collect();
     most.sort_by(f32::total_cmp);
@@ -181,7 +181,7 @@ fn automatic_white(picture: &Picture) -> f32 {
     [here, brightest].into_iter().find(|value| value.is_normal() && *value > 0.0).unwrap_or(1.0)
 }
 
-/// Returns a picture's path and, beside it, that of the other format.
+/// Returns the path of a picture, and the path beside it for the other format.
 fn both(out: &Path) -> Result<Vec<PathBuf>, Failure> {
     if crate::files::is_stdout(out) {
         return Ok(vec![out.to_owned()]);
@@ -240,7 +240,7 @@ impl FlareSetup {
         }
     }
 
-    /// Renders the ghosts on film, red, green and blue for a white lamp; also returns the watts on it.
+    /// Renders the ghosts on film, in red, green and blue for a white lamp; also returns the watts on the film.
     fn picture(&self, args: &Args, opened: &OpenedLens, brightest: &[Pair]) -> (Picture, f64) {
         let raster = args.film.raster();
         let size = [raster.xres, raster.yres];
@@ -250,7 +250,7 @@ impl FlareSetup {
             1 => vec![(opened.lens.wavelength, Vec3::ONE)],
             count => spectrum::bands(count).into_iter().map(|(nm, band)| (nm, band * Vec3::ONE)).collect(),
         };
-        // Surfaces and stop stay the same; the indices are those at a wavelength.
+        // Surfaces and stop stay the same; only the indices are those of the wavelength.
         let lens_at = |wavelength| {
             let mut lens = Lens::new(&opened.prescription, wavelength);
             for (surface, own) in lens.surfaces.iter_mut().zip(&opened.lens.surfaces) {
@@ -258,15 +258,16 @@ impl FlareSetup {
             }
             lens
         };
-        // A coating that reflects nothing for a pair at one wavelength may reflect most of the light at another.
+        // For a given pair, a coating that reflects nothing at one wavelength may reflect most of the light at
+        // another.
         let mut chosen = brightest.to_vec();
         if let [(first, _), .., (last, _)] = bands[..] {
             chosen.extend([first, last].into_iter().flat_map(|nm| self.rank(&lens_at(nm)).brightest_pairs()));
         }
         let wavelengths: Vec<f64> = bands.iter().map(|(nm, _)| *nm).collect();
         let ghosts = GhostSpectrum::new(&wavelengths, lens_at, self.blades, &self.coatings, self.film);
-        // Factors from a wavelength's watts to a pixel's red, green and blue, W/m², and to the watts of all
-        // wavelengths.
+        // Factors that convert the watts at a wavelength to a pixel's red, green and blue, W/m², and to the watts of
+        // all wavelengths.
         let per_area = 1e6 / film.pixel().powi(2);
         let shares = |k: usize| {
             let [red, green, blue] = bands[k].1.to_array().map(|colour| f64::from(colour) * per_area);

@@ -1,13 +1,13 @@
-//! Irradiance on film from landing points: takes the landings of a grid of cells; returns watts by pixel, times any
-//! factors, such as a wavelength's shares of red, green and blue.
+//! Irradiance on film from landing points: converts the landings of a grid of cells to watts per pixel, multiplied by
+//! any factors, such as a wavelength's shares of red, green and blue.
 //!
-//! A tent spreads each cell's watts over its neighbours' landings; it is twice as wide as the distance to them. Such
-//! tents add up to a constant, so an even light stays even. Their sum is the watts (for wide tents on average),
-//! whatever the map from the grid to the film. In a fold of the map the density is high and the sum is still right:
-//! landings are never joined to quadrilaterals.
+//! The watts of each cell are spread as a tent, which reaches the landings of the neighbouring cells on either side.
+//! Such tents add up to a constant, so an even light stays even. Whatever the map from the grid to the film, a tent's
+//! total is the watts of its cell (for wide tents on average). In a fold of the map, the density is high and the
+//! total is still right, because landings are never joined to form quadrilaterals.
 //!
-//! A cell lands at nearly the same position at neighbouring wavelengths: landings closer than a tent resolves are
-//! spread as one.
+//! A cell lands at nearly the same position at neighbouring wavelengths. Landings that are too close for a tent to
+//! resolve are spread as one.
 
 use realistic_camera::Film;
 use realistic_light::{Landing, Spray};
@@ -17,15 +17,15 @@ use realistic_light::{Landing, Spray};
 pub struct Target {
     /// Pixels across and down.
     pub size: [u32; 2],
-    /// The film point of the raster's origin, mm, and pixels per mm.
+    /// The film point at the raster's origin, mm, and the number of pixels per mm.
     origin: [f64; 2],
     per_mm: f64,
 }
 
-/// Largest number of a tent's points along one of its sides: neighbours farther away lie on two sides of an edge, not
-/// of a cell.
+/// Largest number of points along one side of a tent: neighbouring landings that are farther apart are separated by
+/// an edge, not by the width of a cell.
 const MOST: f64 = 192.0;
-/// Pixels between opposite sides of a tent's parallelogram from which it counts as wide.
+/// Distance in pixels between opposite sides of a tent's parallelogram from which on the tent counts as wide.
 const WIDE: f64 = 2.0;
 
 impl Target {
@@ -44,12 +44,13 @@ impl Target {
         [(self.origin[0] - x) * self.per_mm, (y - self.origin[1]) * self.per_mm]
     }
 
-    /// Returns an accumulator of light on pixels; light that is not [spread](PendingLight::spread) in the end is lost.
+    /// Returns an accumulator of light on pixels; light for which [spread](PendingLight::spread) is not called at the
+    /// end is lost.
     pub fn light<'a, const N: usize>(&'a self, pixels: &'a mut [[f64; N]]) -> PendingLight<'a, N> {
         PendingLight { target: self, pixels, band: Vec::new() }
     }
 
-    /// Adds watts as a tent about a position that falls to 0 one step away in either direction.
+    /// Adds watts as a tent about a position; the tent falls to 0 one step away in either direction.
     fn tent<const N: usize>(
         &self,
         pixels: &mut [[f64; N]],
@@ -67,8 +68,8 @@ impl Target {
         if let Some(inverse) = inverse(steps) {
             return self.wide_tent(pixels, here, reach, inverse, watts);
         }
-        // Points are at most half a pixel apart: an even light then ripples by at most 3 % along each side, against an
-        // eighth for points a pixel apart.
+        // Points are at most half a pixel apart. An even light then ripples by at most 3 % along each side; for
+        // points one pixel apart, it would ripple by an eighth.
         let points = steps.map(|[x, y]| (2.0 * x.hypot(y)).ceil().clamp(1.0, MOST));
         let numbers = points.map(|points| points as i32);
         let each = (points[0] * points[1]).recip();
@@ -83,9 +84,9 @@ impl Target {
         }
     }
 
-    /// Adds a tent that is [`WIDE`] by its height in the middle of each pixel. The heights of an even light's tents
-    /// then add up to a constant exactly. The sum of one tent's heights is its watts within 1/(4 s²) for s pixels per
-    /// step; the sign depends on its position.
+    /// Adds a tent that is at least [`WIDE`], by its height in the middle of each pixel. The heights of the tents of
+    /// an even light then add up exactly to a constant. The sum of the heights of one tent differs from its watts by
+    /// at most a share of 1/(4 s²), for s pixels per step; the sign of the difference depends on the tent's position.
     fn wide_tent<const N: usize>(
         &self,
         pixels: &mut [[f64; N]],
@@ -115,7 +116,7 @@ impl Target {
         }
     }
 
-    /// Adds watts to the four pixels about a position.
+    /// Adds watts to the four pixels around a position.
     fn point<const N: usize>(&self, pixels: &mut [[f64; N]], [x, y]: [f64; 2], watts: [f64; N]) {
         let (x, y) = (x - 0.5, y - 0.5);
         let (left, top) = (x.floor(), y.floor());
@@ -131,32 +132,32 @@ impl Target {
     }
 }
 
-/// Light that the same cells land at one wavelength after the other, added to pixels.
+/// Light of the same cells at one wavelength after another, to be added to pixels.
 pub struct PendingLight<'a, const N: usize> {
     target: &'a Target,
     pixels: &'a mut [[f64; N]],
-    /// Light by cell that is not spread yet: from neighbouring wavelengths.
+    /// Light that is not spread yet, by cell; it comes from neighbouring wavelengths.
     band: Vec<Option<Cell<N>>>,
 }
 
-/// A cell's light at some wavelengths.
+/// The light of a cell at some wavelengths.
 struct Cell<const N: usize> {
-    /// Raster coordinates where it landed first.
+    /// Raster coordinates of the cell's first landing.
     first: [f64; 2],
-    /// Largest distance from there, pixels, of landings that are spread with it: half a pixel, or half of the distance
-    /// to the next cell if that is more, which a tent hides.
+    /// Largest distance from `first`, pixels, of landings that are spread together: half a pixel, or half of the
+    /// distance to the next cell if that is more, because a tent hides this difference.
     near: f64,
-    /// Reach of its tent, pixels.
+    /// Reach of the cell's tent, pixels.
     reach: [f64; 2],
-    /// Watts of the cell, and the sum of positions times watts.
+    /// Watts of the cell, and the sum over landings of position times watts.
     sum: f64,
     moment: [f64; 2],
-    /// Watts times the shares.
+    /// Watts multiplied by the shares.
     watts: [f64; N],
 }
 
 impl<const N: usize> PendingLight<'_, N> {
-    /// Adds the watts that a spray's cells land, times each of `shares`.
+    /// Adds the watts of a spray's cells, multiplied by each of `shares`.
     pub fn add(&mut self, spray: &Spray, shares: [f64; N]) {
         if self.band.len() != spray.cells.len() || !self.holds(spray) {
             self.spread();
@@ -177,8 +178,8 @@ impl<const N: usize> PendingLight<'_, N> {
         }
     }
 
-    /// Whether every cell lands near enough to its first landing, or lies with its tent beyond the same side of the
-    /// film.
+    /// Whether every cell lands near enough to its first landing, or both landings lie, with their tents, beyond the
+    /// same side of the film.
     fn holds(&self, spray: &Spray) -> bool {
         let near = |(cell, landing): (&Option<Cell<N>>, &Option<Landing>)| {
             let (Some(cell), Some(landing)) = (cell, landing) else { return true };
@@ -207,7 +208,7 @@ impl<const N: usize> PendingLight<'_, N> {
     }
 }
 
-/// Returns the distances from a cell's landing to those of its neighbours, along either axis of the grid.
+/// Returns the steps from a cell's landing to those of its neighbours, along either axis of the grid.
 fn steps(
     i: usize,
     side: usize,
@@ -228,13 +229,13 @@ fn steps(
     [step(i % side, 1), step(i / side, side)]
 }
 
-/// Returns the reach of a tent with such steps, along each axis, pixels.
+/// Returns the reach of a tent with these steps along each axis, pixels.
 fn reach(steps: [[f64; 2]; 2]) -> [f64; 2] {
     [0, 1].map(|axis| steps[0][axis].abs() + steps[1][axis].abs() + 1.0)
 }
 
-/// Returns the map from pixels to the two steps of a tent; `None` unless the tent is at least [`WIDE`] in every
-/// direction.
+/// Returns the map from pixels to multiples of the two steps of a tent; `None` unless the tent is at least [`WIDE`]
+/// in every direction.
 fn inverse([[ax, ay], [bx, by]]: [[f64; 2]; 2]) -> Option<[[f64; 2]; 2]> {
     let area = ax * by - ay * bx;
     let longest = ax.hypot(ay).max(bx.hypot(by));
@@ -250,7 +251,7 @@ mod tests {
         Target::new(&Film::new(Raster { xres: 60, yres: 40 }, 36.0), [60, 40])
     }
 
-    /// Makes a grid of cells with one watt each that land where `map` puts them.
+    /// Makes a grid of cells that carry one watt each and land at the positions given by `map`.
     fn spray(side: usize, map: impl Fn(f64, f64) -> [f64; 2]) -> Spray {
         let cell = |i: usize| {
             let point = map((i % side) as f64, (i / side) as f64);
@@ -259,7 +260,8 @@ mod tests {
         Spray { side, cells: (0..side * side).map(cell).collect() }
     }
 
-    /// Returns the pixels of all sprays added one after the other, and of each added to pixels of its own.
+    /// Returns the pixels of all sprays added one after another to the same pixels, and of each spray added to pixels
+    /// of its own.
     fn spread_jointly_and_separately<const N: usize>(
         target: &Target,
         sprays: &[Spray],
@@ -298,7 +300,7 @@ mod tests {
 
     #[test]
     fn an_even_light_is_even() {
-        // Cells 1.7 and 2.3 pixels apart, askew.
+        // Cells at distances of 1.7 and 2.3 pixels, on a skewed grid.
         let target = target();
         let mut pixels = target.dark();
         let askew = spray(40, |x, y| [0.85 * (x - 20.0) + 0.2 * y - 4.0, 1.15 * (y - 20.0) + 0.1 * x]);
@@ -312,7 +314,7 @@ mod tests {
 
     #[test]
     fn wide_tents_are_even_and_keep_the_watts() {
-        // Cells 5 pixels apart and more, askew, from far beyond one edge to far beyond the other.
+        // Cells at distances of 5 pixels and more on a skewed grid, from far beyond one edge to far beyond the other.
         let target = target();
         let mut pixels = target.dark();
         let step = [[5.3, 1.1], [-1.7, 6.2]].map(|pixels| pixels.map(|x| x / target.per_mm));
@@ -323,7 +325,7 @@ mod tests {
         add(&target, &mut pixels, &spray(41, map), [1.0]);
         let even = 1.0 / (5.3 * 6.2 + 1.1 * 1.7);
         assert!(pixels.iter().flatten().all(|watts| (watts / even - 1.0).abs() < 1e-9));
-        // Few cells, all of them on the film.
+        // Few cells, all of which are on the film.
         let mut pixels = target.dark();
         add(&target, &mut pixels, &spray(4, |x, y| map(x + 18.3, y + 18.6)), [1.0]);
         let sum: f64 = pixels.iter().flatten().sum();
@@ -332,7 +334,7 @@ mod tests {
 
     #[test]
     fn wavelengths_are_spread_jointly_where_no_cell_moves() {
-        // A cell is 3 pixels wide; from one wavelength to the next the grid moves.
+        // A cell is 3 pixels wide; the grid moves from one wavelength to the next.
         let target = target();
         let moved = |pixels: f64| {
             let at = move |x: f64| (3.0 * (x - 4.0) + pixels) / target.per_mm;
@@ -349,8 +351,8 @@ mod tests {
         let shares = [[1.0, 0.0], [0.5, 0.5], [0.0, 1.0], [0.5, 0.0], [0.0, 0.5]];
         for step in [0.2, 0.6] {
             let [joint, separate] = spread_jointly_and_separately(&target, &sprays(step), &shares);
-            // Two watts of each colour per cell of 3 x 3 pixels. At a corner both axes' edges fall by a third per
-            // pixel, and a colour lies a fifth of a pixel from the common middle.
+            // Each cell of 3 x 3 pixels has two watts of each colour. At a corner, the edges along both axes fall by
+            // a third per pixel, and each colour lies a fifth of a pixel from the common middle.
             let even = 2.0 / 9.0;
             let off = joint.iter().flatten().zip(separate.iter().flatten()).map(|(a, b)| (a - b).abs());
             assert!(off.fold(0.0, f64::max) < 0.15 * even, "{step}");
@@ -363,12 +365,12 @@ mod tests {
 
     #[test]
     fn light_that_first_lands_off_the_film_is_spread_later() {
-        // 2 x 2 pixels of light: at the first wavelength 3 pixels left of the film, or nowhere; then farther right each
-        // time.
+        // The light covers 2 x 2 pixels. At the first wavelength, it lies 3 pixels left of the film, or lands
+        // nowhere; at each further wavelength, it lies farther right.
         let target = target();
         let at = |pixels: f64| {
             let position = move |x: f64, from: f64| from / target.per_mm + x * 0.25 / target.per_mm;
-            // Raster x falls as the film's x grows.
+            // The raster's x falls as the film's x grows.
             spray(8, move |x, y| [position(-x, 33.0 - pixels), position(y, 0.0)])
         };
         let nowhere = Spray { side: 8, cells: vec![None; 64] };

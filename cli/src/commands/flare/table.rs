@@ -1,4 +1,4 @@
-//! Table of a lamp's ghosts, sorted by watts.
+//! The table of a lamp's ghosts, sorted by watts.
 
 use realistic_base::message::fixed;
 use realistic_light::{LeftOut, Pair};
@@ -8,15 +8,16 @@ use std::fmt::Write as _;
 /// A ghost.
 #[derive(Clone, Copy, Debug)]
 pub struct Ghost {
-    /// Surfaces of the ghost, counted from 0 at the scene side.
+    /// The two surfaces of the ghost, counted from 0 at the scene side.
     pub pair: Pair,
     /// Power that reaches the plane of the film, W per W/m² at the lens.
     pub watts: f64,
-    /// Centre of the ghost on film, mm.
+    /// Centre of the ghost on the film, mm.
     pub middle: [f64; 2],
     /// RMS distance from the centre, mm.
     pub radius: f64,
-    /// Distance before the film, mm, at which light from infinity near the axis is in focus; `None` for nowhere.
+    /// Distance in front of the film, mm, at which light from infinity near the axis is in focus; `None` if it is in
+    /// focus nowhere.
     pub focus: Option<f64>,
 }
 
@@ -29,15 +30,15 @@ pub struct GhostTable {
     pub direct: f64,
     /// Wavelength, nm.
     pub wavelength: f64,
-    /// Power that is reflected four times or more in a stack of plates, over the direct light.
+    /// Power of light that is reflected four times or more in a stack of plates, as a multiple of the direct light.
     pub beyond: f64,
-    /// Largest share of the ghosts' watts that those left out of the picture may have.
+    /// Largest share of the ghosts' watts that the ghosts left out of the picture may have.
     pub left_out: f64,
-    /// Pairs not traced, because there are too many.
+    /// Pairs that are not traced, because there are too many pairs.
     pub not_traced: LeftOut,
 }
 
-/// Rows of the printed table.
+/// Number of rows of the printed table.
 const ROWS: usize = 12;
 
 impl GhostTable {
@@ -46,8 +47,8 @@ impl GhostTable {
         self.ghosts.iter().fold(0.0, |sum, ghost| sum + ghost.watts)
     }
 
-    /// Returns the brightest pairs, without those that have no more than [`GhostTable::left_out`] of the watts in
-    /// total.
+    /// Returns the brightest pairs: all except the faintest pairs, which together have at most
+    /// [`GhostTable::left_out`] of the watts.
     pub fn brightest_pairs(&self) -> Vec<Pair> {
         let mut rest = self.left_out * self.watts();
         let mut ghosts = &self.ghosts[..];
@@ -60,7 +61,7 @@ impl GhostTable {
         ghosts.iter().map(|ghost| ghost.pair).collect()
     }
 
-    /// Returns the share of the ghosts' watts that is left out.
+    /// Returns the share of the ghosts' watts that the picture leaves out.
     fn omitted(&self) -> f64 {
         let count = self.brightest_pairs().len();
         let omitted: f64 = self.ghosts[count..].iter().fold(0.0, |sum, ghost| sum + ghost.watts);

@@ -1,5 +1,5 @@
-//! First-order report of a lens: a list of facts, each once in words for a reader and once as JSON for a program. Terms
-//! as in M. Born and E. Wolf, *Principles of Optics*, chapter 4.
+//! First-order report of a lens: a list of facts, each in words for a reader and as JSON for a program. The terms are
+//! those of M. Born and E. Wolf, *Principles of Optics*, chapter 4.
 
 use realistic_base::message::{as_given, fixed};
 use realistic_light::{Surfaces, TStop};
@@ -17,7 +17,7 @@ struct Fact {
     name: &'static str,
     /// The fact in words; `None` if there is nothing to report.
     text: Option<String>,
-    /// An object with the fact's parts; null if a part does not exist or lies at infinity.
+    /// An object with the parts of the fact; a part is null if it does not exist or lies at infinity.
     json: Value,
 }
 
@@ -29,12 +29,12 @@ fn fact(name: &'static str, text: impl Into<Option<String>>, json: Value) -> Fac
 #[derive(Debug)]
 pub struct Facts(Vec<Fact>);
 
-/// Focal lengths beyond which a pupil counts as at infinity: its distance is then rounding error.
+/// Number of focal lengths beyond which a pupil counts as at infinity, because its distance is only rounding error.
 const AT_INFINITY: f64 = 1e9;
 
 impl Facts {
-    /// Collects the facts of a lens with film `film_distance` mm behind the last vertex, if the film has a position, of
-    /// a `diagonal` in mm.
+    /// Collects the facts of a lens. `film_distance` is the distance from the last vertex to the film in mm, if the
+    /// film has a position, and `diagonal` is the film's diagonal in mm.
     pub fn of(prescription: &Prescription, lens: &Lens, film_distance: Option<f64>, diagonal: f64) -> Self {
         let optics = FirstOrder::of(lens).ok();
         let Prescription { name, title, stated_focal_length: stated, .. } = prescription;
@@ -68,7 +68,7 @@ impl Facts {
     }
 }
 
-/// Returns focal length and cardinal points; with air on both sides the nodal points are the principal ones.
+/// Returns focal length and cardinal points; with air on both sides, the nodal points are the principal points.
 fn first_order(optics: Option<FirstOrder>, stated: Option<f64>) -> [Fact; 5] {
     let formatted = |format: &dyn Fn(FirstOrder) -> String| optics.map(format);
     let both =
@@ -113,12 +113,12 @@ fn first_order(optics: Option<FirstOrder>, stated: Option<f64>) -> [Fact; 5] {
     ]
 }
 
-/// Returns pupils, f-number (unsigned focal length over the diameter of the axial beam) and the surface that limits the
-/// beam.
+/// Returns the pupils, the f-number (the absolute focal length over the diameter of the axial beam) and the surface
+/// that limits the axial beam.
 fn pupils(lens: &Lens, optics: Option<FirstOrder>, beam: &AxialBeam) -> [Fact; 4] {
     let AxialBeam { limiting, entrance, exit, .. } = *beam;
     let size = optics.map_or(lens.front().semi_diameter, |optics| optics.focal_length.abs());
-    // Position and diameter. Adding 0 drops the sign of -0 for a pupil in the front vertex.
+    // Position and diameter. Adding 0 turns the -0 of a pupil in the front vertex into 0.
     let pupil = |z: Option<f64>, diameter: f64| {
         z.filter(|z| z.abs() < AT_INFINITY * size).map(|z| (z + 0.0, diameter))
     };
@@ -174,7 +174,7 @@ fn pupils(lens: &Lens, optics: Option<FirstOrder>, beam: &AxialBeam) -> [Fact; 4
     ]
 }
 
-/// Returns the T-numbers for the named coatings, and for the file's if it names them.
+/// Returns the T-numbers for the named coatings, and for the coatings of the lens file if it names any.
 fn transmission(
     prescription: &Prescription,
     lens: &Lens,
@@ -201,7 +201,7 @@ fn transmission(
     Some(fact("T-number", texts.join(", "), Value::Object(json)))
 }
 
-/// Returns the film's position, and the field of view on a `diagonal` in mm.
+/// Returns the film's position, and the field of view on a film with this `diagonal` in mm.
 fn film(lens: &Lens, optics: Option<FirstOrder>, film_distance: Option<f64>, diagonal: f64) -> [Fact; 2] {
     let paraxial = film_distance.and(optics).map(|optics| field::paraxial(optics.focal_length, diagonal));
     let field = film_distance.map(|distance| Field::new(lens, lens.rear().vertex - distance));
@@ -256,7 +256,7 @@ mod tests {
     #[test]
     fn a_pupil_at_infinity_is_stated_in_words_and_null_in_json() {
         // A lens with a stop in its front focal plane: 1/f = 0.5 (1/20 + 1/20 - 0.5 · 3/(1.5 · 400)), and the focal
-        // point lies 0.95 f before the vertex.
+        // point lies 0.95 f in front of the vertex.
         let focal_length = 1.0 / 0.04875;
         let stop = 0.95 * focal_length;
         let facts = facts(&format!("0 {stop} 0 4\n20 3 1.5 10\n-20 0 1 10\n"), Some(20.0));

@@ -5,7 +5,7 @@ use realistic_optics::prescription::{Fate, Finding};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
-/// Formats the findings as a JSON array, each with its lines.
+/// Formats the findings as a JSON array; each finding lists its lines.
 pub fn json(findings: &[Finding]) -> Value {
     let finding = |finding: &Finding| {
         json!({
@@ -19,11 +19,11 @@ pub fn json(findings: &[Finding]) -> Value {
     findings.iter().map(finding).collect()
 }
 
-/// Largest number of reasons of one fate that the text lists.
+/// Largest number of reasons that the text lists for one fate.
 const MOST_REASONS: usize = 40;
 
-/// Formats the findings as text, empty for a lens without a file. Statements with one fate and one reason share
-/// a line.
+/// Formats the findings as text, which is empty for a lens without a file. Statements with the same fate and the same
+/// reason share a line.
 pub fn text(findings: &[Finding]) -> String {
     if findings.is_empty() {
         return String::new();
@@ -32,7 +32,7 @@ pub fn text(findings: &[Finding]) -> String {
     for fate in Fate::ALL {
         let mut groups: Vec<(&str, Vec<String>)> = Vec::new();
         for finding in findings.iter().filter(|finding| finding.fate == fate) {
-            // Statements without effect on the lens need no reasons.
+            // Statements that have no effect on the lens need no reason.
             let (reason, words) = match fate {
                 Fate::Replaced | Fate::LeftOut => (finding.reason.as_str(), located(finding)),
                 Fate::Informative | Fate::Used => ("", number(finding)),
@@ -53,7 +53,7 @@ pub fn text(findings: &[Finding]) -> String {
     text
 }
 
-/// Formats a statement with its surfaces and lines.
+/// Formats a statement with the numbers of its surfaces and lines.
 fn located(Finding { statement, surfaces, lines, .. }: &Finding) -> String {
     let of = match surfaces.as_slice() {
         [] => String::new(),
@@ -102,7 +102,7 @@ mod tests {
                 "reason": "a keyword that this reader does not know",
             })
         );
-        // The list has every line with a statement at least once.
+        // The list contains every line that has a statement at least once.
         let mut lines: Vec<u64> = json
             .as_array()
             .unwrap()

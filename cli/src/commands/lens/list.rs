@@ -7,8 +7,8 @@ use realistic_optics::prescription::{Position, Prescription, catalogue};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
-/// Formats the list as text. Focal lengths are computed at the first position and stated at the others; f-numbers are
-/// stated, or computed, in parentheses, if the file states none; fields of view and years are stated.
+/// Formats the list as text. Focal lengths are computed at the first position and stated at the others. f-numbers are
+/// as stated; if the file states none, the computed number is in parentheses. Fields of view and years are as stated.
 pub fn text() -> String {
     let mut text = format!(
         "{:<20} {:>12} {:>9} {:>12} {:>10} {:>5}  {}\n",
@@ -30,7 +30,8 @@ pub fn text() -> String {
     text
 }
 
-/// Formats the list as JSON, with the keys of a lens's report; values stated per position form an array.
+/// Formats the list as JSON, with the keys of a single lens's report; values that are stated per position form an
+/// array.
 pub fn json() -> Value {
     let entry = |name| {
         let prescription = catalogue::find(name).expect("listed");
@@ -60,7 +61,7 @@ pub fn json() -> Value {
     catalogue::names().map(entry).collect()
 }
 
-/// Returns the lenses with a line of words each, for one page of drawings.
+/// Returns the lenses, each with a line of text, for one page of drawings.
 pub fn drawn() -> Vec<Entry> {
     let entry = |name| {
         let prescription = catalogue::find(name).expect("listed");
@@ -75,7 +76,7 @@ pub fn drawn() -> Vec<Entry> {
     catalogue::names().map(entry).collect()
 }
 
-/// Formats the least and the greatest value, or the only one.
+/// Formats the least and the greatest value, or the single value if they are equal.
 fn range(values: impl Iterator<Item = f64>, digits: usize) -> String {
     let (mut least, mut greatest) = (f64::INFINITY, f64::NEG_INFINITY);
     for value in values {

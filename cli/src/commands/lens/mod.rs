@@ -34,7 +34,7 @@ pub struct Args {
 /// Prints the report.
 ///
 /// # Errors
-/// No such lens, or one that cannot be set up as requested.
+/// There is no such lens, or it cannot be set up as requested.
 pub fn run(args: &Args) -> Result<(), Failure> {
     if args.list.is_some() || !args.lens.is_given() {
         return list(args);
@@ -59,7 +59,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     Ok(std::io::stdout().write_all(text.as_bytes())?)
 }
 
-/// Lists the catalogue, in words, as JSON or drawn.
+/// Lists the catalogue: in words, as JSON, or as a drawing.
 fn list(args: &Args) -> Result<(), Failure> {
     if args.lens.is_given() {
         return Err(Failure::Usage("--list shows every lens; leave out the lens and its options".to_owned()));

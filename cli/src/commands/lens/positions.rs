@@ -1,5 +1,5 @@
-//! The positions of a lens whose groups move, one per line: the values stated in its table, and those computed for the
-//! lens there.
+//! The positions of a lens whose groups move, one per line, with the values that the table states and the values
+//! computed at that position.
 
 use realistic_base::message::{as_given, fixed};
 use realistic_optics::imaging::{
@@ -11,18 +11,18 @@ use realistic_trace::field::Field;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
-/// A position, and the lens's computed values there.
+/// A position, and the computed values of the lens at that position.
 pub struct PositionLine<'a> {
     stated: &'a Position,
     focal_length: Option<f64>,
     f_number: Option<f64>,
     film_distance: Option<f64>,
-    /// Full field on the film's diagonal by the corner's chief ray, radians.
+    /// Full field of the film's diagonal, from the chief ray of the corner, radians.
     field: Option<f64>,
 }
 
-/// Returns every position in the order of the table, at a wavelength in nm and a stop; the field is that of a film
-/// `diagonal` in mm. Empty for a lens without positions.
+/// Returns every position in the order of the table, at a wavelength in nm and a stop, with the field of a film of
+/// this `diagonal` in mm. Empty for a lens without positions.
 pub fn all(
     prescription: &Prescription,
     wavelength: f64,
@@ -78,7 +78,7 @@ pub fn json(lines: &[PositionLine<'_>]) -> Value {
         .collect()
 }
 
-/// Formats the positions as text; empty without positions.
+/// Formats the positions as text; empty for a lens without positions.
 pub fn text(lines: &[PositionLine<'_>]) -> String {
     if lines.is_empty() {
         return String::new();

@@ -1,4 +1,4 @@
-//! The prescription's table, one row per interface.
+//! The table of the prescription, with one row per interface.
 
 use realistic_base::message::fixed;
 use realistic_optics::lens::Lens;
@@ -6,7 +6,7 @@ use realistic_optics::prescription::{Medium, Prescription, Shape};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
-/// Returns the values of each row: radius, thickness, V-number and sag if it has them.
+/// Returns the values of each row; radius, thickness, V-number and sag may be absent.
 fn rows<'a>(prescription: &'a Prescription, lens: &'a Lens) -> impl Iterator<Item = Row> + 'a {
     let last = prescription.interfaces.len() - 1;
     prescription.interfaces.iter().zip(&lens.surfaces).enumerate().map(
@@ -20,7 +20,7 @@ fn rows<'a>(prescription: &'a Prescription, lens: &'a Lens) -> impl Iterator<Ite
             Row {
                 kind,
                 radius,
-                // The distance to the film is no thickness of the lens unless the file states it.
+                // The distance to the film counts as a thickness of the lens only if the file states it.
                 thickness: if index < last { Some(interface.thickness) } else { lens.nominal_film_distance },
                 n: surface.n_film,
                 abbe: match interface.medium {
@@ -28,7 +28,7 @@ fn rows<'a>(prescription: &'a Prescription, lens: &'a Lens) -> impl Iterator<Ite
                     Medium::Air | Medium::Sellmeier { .. } | Medium::Formula(_) => None,
                 },
                 diameter: 2.0 * surface.semi_diameter,
-                // Adding 0 drops the sign of a plane's -0.
+                // Adding 0 turns the -0 of a plane into 0.
                 sag: surface.sagitta(surface.semi_diameter) + 0.0,
             }
         },
@@ -62,8 +62,7 @@ pub fn json(prescription: &Prescription, lens: &Lens) -> Value {
         .collect()
 }
 
-/// Formats the table as text. Lengths are mm; n holds at the lens's wavelength, behind the
-/// interface.
+/// Formats the table as text. Lengths are in mm; n is the index behind the interface, at the lens's wavelength.
 pub fn text(prescription: &Prescription, lens: &Lens) -> String {
     let mut text = format!(
         "{:>3} {:>12} {:>10} {:>9} {:>6} {:>10} {:>9}\n",

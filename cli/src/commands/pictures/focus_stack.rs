@@ -1,4 +1,4 @@
-//! `realistic focus-stack`: one picture focused at several distances from near to far.
+//! `realistic focus-stack`: the same picture focused at several distances, from near to far.
 
 use crate::arguments::{CameraChoice, distance, whole};
 use crate::console;
@@ -34,13 +34,13 @@ pub struct Args {
 }
 
 const SPP: u32 = 64;
-/// Columns of pictures on the contact sheet.
+/// Number of columns of pictures on the contact sheet.
 const COLUMNS: u32 = 3;
 
 /// Takes the pictures at evenly spaced reciprocal distances, which move the film in even steps.
 ///
 /// # Errors
-/// Bad parameters, no plugin, a distance too near for the lens, or a file that cannot be written.
+/// A parameter is invalid, there is no plugin, a distance is too near for the lens, or a file cannot be written.
 pub fn run(args: &Args) -> Result<(), Failure> {
     if !(args.from < args.to) {
         return Err(Failure::Usage(format!(
@@ -86,7 +86,7 @@ const PER_PIXEL: u64 = 40;
 
 fn distances(from: f64, to: f64, count: u32) -> impl Iterator<Item = f64> {
     let step = (to.recip() - from.recip()) / f64::from(count - 1);
-    // The last distance is exactly the one given: it may be infinity.
+    // The last distance is exactly the given one, which may be infinite.
     (0..count).map(move |k| if k + 1 == count { to } else { (from.recip() + step * f64::from(k)).recip() })
 }
 

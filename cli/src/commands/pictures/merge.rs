@@ -21,10 +21,10 @@ pub struct Args {
 /// Joins the tiles and writes the picture.
 ///
 /// # Errors
-/// A file that is not a tile, tiles of different pictures, pixels that belong to two tiles or to none, or a file that
+/// A file is not a tile, tiles belong to different pictures, a pixel belongs to two tiles or to none, or a file
 /// cannot be written. The message names the files.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    // Standard output takes the tiles' format.
+    // Standard output gets the format of the tiles.
     let named = if files::is_stdout(&args.out) { &args.tiles[0] } else { &args.out };
     let format = Format::of(named).map_err(Failure::Usage)?;
     if let Some(other) = args.tiles.iter().find(|tile| Format::of(tile) != Ok(format)) {
@@ -52,7 +52,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     Ok(console::report(&text, &args.out)?)
 }
 
-/// Returns width and height of the picture of these tiles, and its pixels.
+/// Returns the size of the picture that these tiles form, and its pixels.
 fn join<P: Copy + Default>(
     paths: &[PathBuf],
     read: impl Fn(&Path) -> Result<Tile<P>, Failure>,
@@ -63,7 +63,7 @@ fn join<P: Copy + Default>(
     Ok((size, pixels))
 }
 
-/// Returns width and height of the picture that all tiles are a part of.
+/// Returns the size of the picture to which all tiles belong.
 fn same_picture<P>(tiles: &[Tile<P>]) -> Result<[u32; 2], String> {
     let (first, others) = tiles.split_first().ok_or("no tiles")?;
     for other in others {
@@ -95,7 +95,7 @@ fn same_picture<P>(tiles: &[Tile<P>]) -> Result<[u32; 2], String> {
     Ok(first.origin.whole)
 }
 
-/// Copies the picture's pixels, each from its tile.
+/// Returns the pixels of the picture, each copied from its tile.
 fn pasted<P: Copy + Default>(tiles: &[Tile<P>], size: [u32; 2]) -> Result<Vec<P>, String> {
     let [width, height] = size;
     let crops: Vec<[u32; 4]> = tiles.iter().map(|tile| tile.origin.crop).collect();
@@ -108,7 +108,7 @@ fn pasted<P: Copy + Default>(tiles: &[Tile<P>], size: [u32; 2]) -> Result<Vec<P>
             rectangle(crops[b])
         ));
     }
-    // Gaps are found before memory is allocated, because a tile may claim a picture of any size.
+    // Gaps are found before memory is allocated, because a tile may claim that its picture has any size.
     if let Some(gap) = gap(&crops, size) {
         let names: Vec<String> = tiles.iter().take(3).map(|tile| tile.path.display().to_string()).collect();
         let more = if tiles.len() > 3 { ", …" } else { "" };
@@ -118,7 +118,7 @@ fn pasted<P: Copy + Default>(tiles: &[Tile<P>], size: [u32; 2]) -> Result<Vec<P>
             gap = rectangle(gap)
         ));
     }
-    // The memory holds the picture and the file made from it.
+    // The memory must hold the picture and the file that is made from it.
     let is_there = check_memory(size, 3 * size_of::<P>() as u64).is_ok();
     let mut pixels = tile::allocate(size).filter(|_| is_there).ok_or_else(|| {
         format!("there is no memory for the {width}x{height} picture; merge it where there is more")
@@ -133,7 +133,7 @@ fn pasted<P: Copy + Default>(tiles: &[Tile<P>], size: [u32; 2]) -> Result<Vec<P>
     Ok(pixels)
 }
 
-/// Returns the indices of two rectangles that overlap.
+/// Returns the indices of two rectangles that overlap, if there are such.
 fn overlap(crops: &[[u32; 4]]) -> Option<[usize; 2]> {
     let meet = |[x0, y0, x1, y1]: [u32; 4], other: [u32; 4]| {
         x0 < other[2] && other[0] < x1 && y0 < other[3] && other[1] < y1
@@ -141,10 +141,10 @@ fn overlap(crops: &[[u32; 4]]) -> Option<[usize; 2]> {
     (1..crops.len()).find_map(|b| (0..b).find(|&a| meet(crops[a], crops[b])).map(|a| [a, b]))
 }
 
-/// Finds the largest empty rectangle that begins at the first empty pixel and extends as far to the right as that row
-/// is empty; the rectangles given do not overlap.
+/// Returns the largest empty rectangle that begins at the first empty pixel and is as wide as the gap in that pixel's
+/// row. The given rectangles must not overlap.
 fn gap(crops: &[[u32; 4]], [width, height]: [u32; 2]) -> Option<[u32; 4]> {
-    // A row has the same gaps as the one above it unless a rectangle ends between them.
+    // A row has the same gaps as the row above it unless a rectangle ends between the two.
     let mut rows: Vec<u32> = crops.iter().map(|crop| crop[3]).chain([0]).filter(|y| *y < height).collect();
     rows.sort_unstable();
     rows.into_iter().find_map(|y0| {
@@ -176,7 +176,8 @@ mod tests {
         let size @ [width, height] = [7, 5];
         let (mut whole, mut overlapping) = (0, 0);
         for _ in 0..3000 {
-            // Cells of a grid, without some, and sometimes a rectangle at a random position on top.
+            // The crops are cells of a grid with some cells missing, and sometimes with a rectangle at a random
+            // position on top.
             let (column, row) = (random.random_range(1..width), random.random_range(1..height));
             let cells = [[0, 0, column, row], [column, 0, width, row], [0, row, width, height]];
             let mut crops: Vec<[u32; 4]> =

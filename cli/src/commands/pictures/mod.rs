@@ -1,4 +1,4 @@
-//! The commands that take pictures: one picture or a tile of one, a stack of pictures, and joining
+//! The commands that take pictures: a picture or a tile of it, a stack of pictures, and the whole picture joined from
 //! tiles.
 
 pub mod focus_stack;

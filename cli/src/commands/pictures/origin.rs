@@ -1,4 +1,4 @@
-//! The origin of a tile: data about its whole picture, which `merge` compares.
+//! The origin of a tile: data on its whole picture, which `merge` compares.
 
 use crate::arguments::CameraChoice;
 use crate::failure::Failure;
@@ -8,8 +8,8 @@ use crate::image::{Format, tile::Origin};
 use realistic::ffi::{realistic_ray, realistic_sample};
 use realistic_lab::render::Rays;
 
-/// Returns the origin of a tile that `crop` cuts from a picture, for a file of this format. `scene` describes the
-/// scene.
+/// Returns the origin of a tile that `crop` cuts from a picture, for a file of this format. `scene` is the
+/// description of the scene.
 ///
 /// # Errors
 /// The plugin's error.
@@ -21,7 +21,7 @@ pub fn origin(
     options: &ShotOptions,
     shot: &Shot,
 ) -> Result<Origin, Failure> {
-    // Each tile has its own crop. The lens shows in its rays, wherever its file lies.
+    // Each tile has its own crop. The rays show which lens it is, wherever the lens file lies.
     let own = camera.given().filter(|(name, _)| *name != "crop");
     let parameters: Vec<String> = own.map(|(name, value)| format!("{name}={value}")).collect();
     let (whole, info) = (studio.size, shot.camera.info()?);
@@ -44,13 +44,13 @@ pub fn origin(
     Ok(Origin { whole, crop: info.crop, settings })
 }
 
-/// Replaces line breaks, because a value may be any text of the user's.
+/// Replaces line breaks, because a value may be any text from the user.
 fn on_one_line(text: &str) -> String {
     text.replace(['\n', '\r'], " ")
 }
 
-/// Returns a hash of rays all over the picture. It differs between cameras that make different rays, through
-/// another lens, another parameter, or a model that a tolerance chose on another processor.
+/// Returns a hash of rays from all over the picture. It differs between cameras that generate different rays, whether
+/// the cause is another lens, another parameter, or a model that a tolerance chose on another processor.
 fn fingerprint(camera: &Camera, whole: [u32; 2]) -> Result<u64, Failure> {
     const RAYS: u16 = 1024;
     // Multiples of the golden ratio and its relatives, modulo 1, spread the samples evenly.
@@ -78,7 +78,7 @@ fn fingerprint(camera: &Camera, whole: [u32; 2]) -> Result<u64, Failure> {
     Ok(hash.0)
 }
 
-/// The 64-bit FNV-1a hash (G. Fowler, L. C. Noll and K.-P. Vo), the same with every compiler.
+/// The 64-bit FNV-1a hash (G. Fowler, L. C. Noll and K.-P. Vo), which is the same with every compiler.
 struct Fnv(u64);
 
 impl Default for Fnv {

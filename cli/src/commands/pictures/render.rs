@@ -1,4 +1,5 @@
-//! `realistic render`: renders the built-in scene through a lens, whole or as a tile, or a slide of the lecture.
+//! `realistic render`: renders the built-in scene through a lens, as a whole picture or as a tile, or renders a slide
+//! of the lecture.
 
 use super::origin::origin;
 use crate::arguments::{CameraChoice, whole};
@@ -138,13 +139,13 @@ impl Stage {
     }
 }
 
-/// Value of the flag for a zone in the middle of the picture.
+/// Value of the flag that stands for a zone in the middle of the picture.
 const MIDDLE: &str = "middle";
 
 /// Renders, writes the picture and reports the lens.
 ///
 /// # Errors
-/// Bad parameters, no plugin, or a file that cannot be written.
+/// A parameter is invalid, there is no plugin, or a file cannot be written.
 pub fn run(camera: &CameraChoice, args: &PictureArgs) -> Result<(), Failure> {
     files::make_parent(&args.out)?;
     let studio = Studio::open(camera, &args.options)?;
@@ -260,7 +261,8 @@ fn timing(options: &ShotOptions, shot: &Shot, threads: usize) -> String {
     )
 }
 
-/// Returns a zone in the middle of the picture, a tenth of it each way and at least a pixel.
+/// Returns a zone in the middle of the picture, with a tenth of the picture's width and height but at least one
+/// pixel.
 fn middle(size: [u32; 2]) -> [f32; 4] {
     let [width, height] = size.map(|side| (side as f32 / 10.0).ceil());
     let [left, top] = [(size[0], width), (size[1], height)].map(|(side, part)| (side as f32 - part) / 2.0);

@@ -1,5 +1,5 @@
-//! `realistic plan`: the parts of the lens model that a camera keeps and leaves out, the reasons,
-//! and the time saved.
+//! `realistic plan`: the parts of the lens model that a camera keeps and leaves out, the reasons for this, and the
+//! time saved.
 
 mod order;
 mod savings;
@@ -15,7 +15,7 @@ use realistic_camera::plan::{Entry, Item, Plan};
 use serde_json::{Value, json};
 use std::io::Write as _;
 
-/// Prints the plan and the savings, measured now.
+/// Prints the plan and the savings, which are measured now.
 ///
 /// # Errors
 /// The camera cannot be built.

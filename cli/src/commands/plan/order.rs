@@ -23,7 +23,7 @@ pub struct CameraOrder {
 }
 
 impl CameraOrder {
-    /// Makes the order from the arguments.
+    /// Makes the order from the arguments of the command.
     ///
     /// # Errors
     /// A parameter is invalid.
@@ -42,7 +42,7 @@ impl CameraOrder {
     /// Builds the camera.
     ///
     /// # Errors
-    /// The camera cannot be built, or its model is not "lens", which has nothing to plan.
+    /// The camera cannot be built, or its model is not "lens": other models have nothing to plan.
     pub fn camera(&self, log: Log<'_>) -> Result<Camera, Failure> {
         self.parameters.require_lens()?;
         Ok(Camera::build(&self.parameters, &self.host, log)?)

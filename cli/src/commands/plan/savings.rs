@@ -1,4 +1,4 @@
-//! The time saved by leaving parts out: cameras with and without the parts that their plan leaves out, timed in turns.
+//! The time saved by leaving parts out, measured by timing cameras with and without these parts in turns.
 
 use super::order::CameraOrder;
 use crate::failure::Failure;
@@ -21,7 +21,7 @@ enum RayRequest {
     Rays,
     RaysAtWavelengths,
     Differentials,
-    /// Rays, after a first direction toward the lens.
+    /// Rays, after a first call that samples a direction toward the lens.
     Importance,
 }
 
@@ -36,27 +36,29 @@ struct Variant {
 /// The cost of a camera.
 struct Cost {
     name: &'static str,
-    /// Seconds per sample in blocks; then per sample one by one; then to build the camera and make a first call.
+    /// Seconds per sample in blocks, seconds per sample one by one, and seconds to build the camera and make a first
+    /// call.
     batch: Timing,
     single: Timing,
     build: Timing,
 }
 
-/// The requested camera, and the others.
+/// The costs of the requested camera and of the other variants.
 pub struct Savings(Vec<Cost>);
 
 const RAYS: Effort = Effort { rounds: 21, least: Duration::from_micros(200) };
 const BUILDS: Effort = Effort { rounds: 7, least: Duration::from_micros(1) };
-/// Longest time of each of the three measurements, without the first turn.
+/// Longest time of each of the three measurements, not counting the first turn.
 const MOST: Duration = Duration::from_secs(2);
 
-/// Share of samples for ghosts when they are timed.
+/// Share of the samples that are used for ghosts when ghosts are timed.
 const GHOSTS: f64 = 0.1;
 /// A wavelength that no lens of the catalogue states as its own, nm.
 const WAVELENGTH: f32 = 500.0;
 
 impl Savings {
-    /// Builds and times the camera, and variants that each keep one more part that its `plan` leaves out.
+    /// Builds and times the camera and its variants, each of which keeps one more of the parts that `plan` leaves
+    /// out.
     ///
     /// # Errors
     /// The camera cannot be built.
@@ -121,7 +123,8 @@ impl Savings {
     }
 }
 
-/// Returns the camera as requested, and variants with each part that its plan leaves out until it is requested.
+/// Returns the camera as requested, and a variant for each part that the plan leaves out unless the part is
+/// requested.
 fn variants(order: &CameraOrder, plan: &Plan) -> Vec<Variant> {
     let (own, host) = (&order.parameters, &order.host);
     let plain = |name, request| Variant { name, parameters: own.clone(), host: host.clone(), request };
@@ -159,14 +162,14 @@ fn variants(order: &CameraOrder, plan: &Plan) -> Vec<Variant> {
     variants
 }
 
-/// Returns a quarter turn about the vertical with a translation.
+/// Returns a quarter turn about the vertical, with a translation.
 fn moved() -> CameraToWorld {
     let rows = [0.0, 0.0, 1.0, 1.0, 0.0, 1.0, 0.0, 2.0, -1.0, 0.0, 0.0, 3.0, 0.0, 0.0, 0.0, 1.0];
     CameraToWorld::from_rows(&rows).expect("a rotation and a move")
 }
 
 impl RayRequest {
-    /// Requests a block in one call.
+    /// Requests a block of samples in one call.
     fn in_one_call(self, camera: &Camera, samples: &SampleColumns) {
         in_one_call(samples, |samples, rays| match self {
             Self::Rays | Self::Importance => camera.trace(samples, rays),
@@ -182,7 +185,7 @@ impl RayRequest {
         });
     }
 
-    /// Requests samples one by one; each call waits for the one before.
+    /// Requests samples one by one; each call waits for the result of the previous call.
     fn one_by_one(self, camera: &Camera, samples: &SampleColumns) {
         one_by_one(samples, |sample| match self {
             Self::Rays | Self::Importance => camera.ray(sample).map(|(_, weight)| weight),
@@ -191,7 +194,7 @@ impl RayRequest {
         });
     }
 
-    /// Makes the first call, which builds lazily built parts.
+    /// Makes the first call, which builds the parts that are built lazily.
     fn first(self, camera: &Camera, sample: &Sample) {
         match self {
             Self::Rays | Self::Differentials => {}

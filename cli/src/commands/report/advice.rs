@@ -1,4 +1,4 @@
-//! Advice on the method for each need: takes results; returns a paragraph, and a few sentences about all lenses. A
+//! Advice on the method for each need, written from the results: a paragraph, and a few sentences about all lenses. A
 //! difference within the threshold of the run is called a tie and does not count.
 
 use super::findings::{camera, range, saved, soonest};
@@ -11,7 +11,7 @@ use realistic_lab::accuracy::suite::{Results, Suite};
 use realistic_lab::stability::{Extent, RAYS_EACH};
 use realistic_lab::subject::STOPPED_DOWN;
 
-/// Returns the result in one paragraph.
+/// Returns the overall result in one paragraph.
 pub fn what_to_use_when(results: &Results) -> Option<String> {
     let times = |entry, precision| {
         let request = Asked::Precision(precision);
@@ -42,7 +42,8 @@ pub fn what_to_use_when(results: &Results) -> Option<String> {
     ))
 }
 
-/// Counts the lenses, wide open or stopped down, on which a tolerance saves more than a tie, and states how much.
+/// Counts the lenses, wide open or stopped down, on which a tolerance saves more than the threshold of a tie, and
+/// states how much it saves.
 fn gains(results: &Results, entry: Entry, tolerance: f64) -> String {
     let own = || {
         let own = results.leaving_out.iter();
@@ -58,7 +59,7 @@ fn gains(results: &Results, entry: Entry, tolerance: f64) -> String {
     }
 }
 
-/// Counts the lenses on which the selected kind of pupil, or of sequence, is first to reach the error at which samplers
+/// Counts the lenses on which each kind of pupil, or of sequence, is the first to reach the error at which samplers
 /// are compared.
 fn wins<T: PartialEq>(
     results: &Results,
@@ -73,10 +74,10 @@ fn wins<T: PartialEq>(
     results.lenses.iter().filter(first).count()
 }
 
-/// Error of irradiance at which samplers are compared.
+/// Relative error of irradiance at which samplers are compared.
 const IRRADIANCE: f64 = irradiance::NEEDS[0];
 
-/// Returns the advice, need by need.
+/// Returns the advice, one need after another.
 pub fn advice(results: &Results, suite: &Suite) -> Vec<String> {
     let all: [Option<String>; 5] = [
         models(results),
@@ -88,7 +89,7 @@ pub fn advice(results: &Results, suite: &Suite) -> Vec<String> {
     all.into_iter().flatten().collect()
 }
 
-/// Reports the cases in which a tolerance chose a model that leaves surfaces out, which is then worth it.
+/// Reports the cases in which a tolerance chose a model that leaves out surfaces, because it was then worth it.
 fn models(results: &Results) -> Option<String> {
     let of = |entry: Entry, tolerance: f64| {
         let own = |saving: &&Saving| saving.entry == entry && saving.asked == Asked::Tolerance(tolerance);
@@ -109,7 +110,7 @@ fn models(results: &Results) -> Option<String> {
     })
 }
 
-/// Reports the errors of models in vignetting.
+/// Reports the errors that models make in vignetting.
 fn vignetting(results: &Results) -> Option<String> {
     let worst = |is_selected: &dyn Fn(&str, bool) -> bool| {
         let own = results.vignetting.iter().filter(|m| is_selected(m.method.name, m.apertures));
@@ -160,7 +161,7 @@ fn pictures(results: &Results) -> Option<String> {
     let mut wins: Vec<(&str, usize)> = Vec::new();
     for lens in &results.lenses {
         let own = || results.renderers.iter().filter(|c| c.lens == *lens);
-        // The lowest error that any exact renderer reaches, with a small margin.
+        // The lowest error that any exact renderer reaches; a small margin is added below.
         let least = own().filter_map(|c| c.points.last()).map(|p| p.error).fold(f64::INFINITY, f64::min);
         let Some(name) = soonest(own(), 1.1 * least, tie).common(|c| c.pupil) else { continue };
         match wins.iter_mut().find(|(other, _)| *other == name) {
@@ -181,7 +182,7 @@ fn pictures(results: &Results) -> Option<String> {
     })
 }
 
-/// Reports the number of rays through extreme and random lenses, the failing results, and the omissions of a quick
+/// Reports the number of rays through extreme and random lenses, the results that fail, and the omissions of a quick
 /// run.
 pub fn stability(results: &Results, suite: &Suite) -> Option<String> {
     if results.stability.is_empty() {

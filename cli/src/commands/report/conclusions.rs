@@ -1,4 +1,4 @@
-//! The method for each need, read from the results: a table of needs by lens, and sentences about each lens.
+//! The method for each need, according to the results: a table of needs by lens, and sentences about each lens.
 
 use super::advice::percent;
 use super::findings::{camera, exact, gain, listed, seconds, soonest, tracing};
@@ -13,7 +13,7 @@ use realistic_lab::methods::Family;
 use realistic_lab::stability;
 use realistic_lab::subject::STOPPED_DOWN;
 
-/// A need, and the method that serves it on every lens.
+/// A need, and for each lens the method that meets it.
 pub struct Answer {
     /// The need in words.
     pub need: String,
@@ -24,8 +24,8 @@ pub struct Answer {
 /// Error of a direction, rad, up to which a method counts as double precision.
 const DOUBLE: f64 = 1e-12;
 
-/// Returns every need with its answers. For rays an answer is the method that a camera with the tolerance chose,
-/// because no other is available to a camera; its cost has a row of its own.
+/// Returns every need with its answers. For rays, an answer is the method that a camera with the tolerance chose,
+/// because a camera can use no other; a separate row states its cost.
 pub fn answers(results: &Results) -> Vec<Answer> {
     let mut answers = Vec::new();
     let mut answer = |need: String, of: &dyn Fn(&str) -> Option<String>| {
@@ -69,7 +69,7 @@ pub fn answers(results: &Results) -> Vec<Answer> {
     answers
 }
 
-/// Describes the method that a tolerance chose, its time, and its gain.
+/// Describes the method that a tolerance chose, the method's time, and its gain.
 fn in_words(results: &Results, own: &Saving) -> String {
     let gain = match gain(results, own) {
         Some(share) if share > 0.0 => format!("{:.0} % less than double precision", 100.0 * share),
@@ -79,8 +79,8 @@ fn in_words(results: &Results, own: &Saving) -> String {
     format!("{}, {}, {gain}", tracing(own.tracing), seconds(own.left_out.median))
 }
 
-/// Describes the methods that a tolerance chose in batches and one by one, their stated errors, and the time to build
-/// such a camera.
+/// Describes the methods that a tolerance chose in batches and one by one, the errors stated for them, and the time
+/// to build such a camera.
 fn cost(results: &Results, many: &Saving, one: &Saving) -> String {
     let chose = |own: &Saving| {
         let beside = exact(results, own).map_or(f64::NAN, |exact| exact.left_out.median);
@@ -97,7 +97,7 @@ fn cost(results: &Results, many: &Saving, one: &Saving) -> String {
     format!("{}; {}; the camera is built in {build} instead of {exact_build}", chose(many), chose(one))
 }
 
-/// Describes the first curve to reach an error, and those that tie with it.
+/// Describes the first curve to reach an error, and the curves that tie with it.
 fn soonest_in_words<'a>(
     curves: impl Iterator<Item = &'a Curve>,
     error: f64,
@@ -167,7 +167,8 @@ fn kernels(results: &Results, lens: &str) -> Option<String> {
     ))
 }
 
-/// Largest share of the samples with a wrong fate, passed but blocked by the lens or the reverse; the planner's value.
+/// Largest share of samples with a wrong fate (passed by the method and blocked by the lens, or the reverse); the
+/// planner uses the same value.
 const WRONG_FATES: f64 = 1e-3;
 
 /// Describes the range in which polynomials are worth it.
@@ -195,7 +196,7 @@ fn polynomials(results: &Results, lens: &str) -> Option<String> {
     })
 }
 
-/// Describes the plan's savings with a tolerance.
+/// Describes the savings of the plan with a tolerance.
 fn savings(results: &Results, lens: &str) -> Option<String> {
     let tie = results.ties().times.ratio;
     let is_own = |saving: &&Saving| saving.lens == lens && matches!(saving.asked, Asked::Tolerance(_));
@@ -257,7 +258,7 @@ fn estimators(results: &Results, lens: &str) -> Option<String> {
     ))
 }
 
-/// Returns one sentence for each tracer; tracers with the same bits share one.
+/// Returns one sentence for each tracer; tracers that give the same bits share a sentence.
 fn stability(results: &Results) -> Vec<String> {
     let tracers = stability::tracers();
     let mut names: Vec<&'static str> = Vec::new();
@@ -268,7 +269,7 @@ fn stability(results: &Results) -> Vec<String> {
     }
     let of = |name: &str| results.stability.iter().filter(move |c| c.tracer == name).collect::<Vec<_>>();
     let figures = |name: &str| of(name).iter().map(|c| (c.ratio, c.fails_because())).collect::<Vec<_>>();
-    // The first of the tracers with the same bits; a tracer whose figures still differ has its own sentence.
+    // The first of the tracers with the same bits; a tracer whose figures differ nevertheless has its own sentence.
     let first = |name: &'static str| {
         let like = tracers.iter().find(|t| t.name == name).map_or(name, |t| t.like);
         if figures(like) == figures(name) { like } else { name }

@@ -1,4 +1,4 @@
-//! The figures of the report: takes measured results; returns sections with their charts.
+//! The figures of the report: converts measured results to sections with charts.
 
 use crate::plots::PALETTE;
 use crate::plots::chart::{Chart, Mark, Series};
@@ -26,11 +26,11 @@ pub struct Figure {
 pub struct Section {
     /// Anchor of the section in the page.
     pub anchor: &'static str,
-    /// Title: the question.
+    /// Title, which is the question.
     pub title: &'static str,
     /// Explanation of the charts.
     pub text: &'static str,
-    /// Name of the table with their data.
+    /// Name of the table that holds the data of the charts.
     pub table: &'static str,
     /// The charts.
     pub figures: Vec<Figure>,
@@ -119,7 +119,7 @@ const STABILITY: &str = "Extreme lenses and rays with known answers: a mark is a
     \"realistic report --case\" with the name of one repeats it; three beyond those of a full run are known to fail, and stand in \
     docs/accuracy.md. The table has the worst of each group, the CSV every case.";
 
-/// Returns the charts at the top of the page: cost and error of a camera's ray, in batches and one by one.
+/// Returns the charts at the top of the page, which show cost and error of a camera's rays in batches and one by one.
 pub fn overview(results: &Results) -> Vec<Figure> {
     let of = |file: &str, title: &str, entry: Entry| Figure {
         file: file.to_owned(),
@@ -134,10 +134,10 @@ pub fn overview(results: &Results) -> Vec<Figure> {
     ]
 }
 
-/// Smallest error shown, pixels; smaller and exact ones are drawn here.
+/// Smallest error shown, pixels; smaller errors, 0 included, are drawn at this value.
 const NEAREST: f64 = 1e-6;
 
-/// Draws cameras wide open by time and error, a colour for each lens.
+/// Draws the time and error of cameras wide open, with a colour for each lens.
 fn cameras(results: &Results, entry: Entry) -> Chart {
     let series = results.lenses.iter().enumerate().map(|(number, lens)| {
         let own = results.leaving_out.iter();
@@ -163,13 +163,13 @@ fn cameras(results: &Results, entry: Entry) -> Chart {
     }
 }
 
-/// Returns the largest error of 99.9 % of the rays in single precision, pixels.
+/// Returns the largest error, pixels, among the best 99.9 % of the rays in single precision.
 fn single_precision(results: &Results, lens: &str) -> Option<f64> {
     let own = results.ray_map.iter().find(|m| m.lens == lens && m.method.name == "one f32");
     own.map(|m| m.pixels.most)
 }
 
-/// Merges cameras that trace by the same method into one with all their names.
+/// Merges the cameras that trace by the same method into one entry with all of their names.
 fn one_each<'a>(savings: &[&'a Saving]) -> Vec<(String, &'a Saving)> {
     let mut all: Vec<(String, &Saving)> = Vec::new();
     for saving in savings {
@@ -207,7 +207,7 @@ pub fn all(results: &Results) -> Vec<Section> {
     by_lens.chain([of_stability(results)]).collect()
 }
 
-/// Draws ray errors against time, in the units of `error`.
+/// Draws ray errors against time, in the unit of `error`.
 fn scatter(
     rays: &[RayErrors],
     tie: f64,
@@ -234,8 +234,8 @@ fn scatter(
     Chart { cost: "time per sample, ns", error, series: series.collect(), ..Chart::default() }
 }
 
-/// Returns a method's name for its mark: for a polynomial only the order, because colour and form show
-/// the rest.
+/// Returns the name of a method for its mark; for a polynomial only the order, because colour and shape show the
+/// rest.
 fn short(name: &str) -> String {
     let name = name.strip_prefix("order ").map_or_else(|| name.to_owned(), |order| format!("P{order}"));
     name.trim_end_matches(", f32").replace(", ", " ")
@@ -254,9 +254,9 @@ fn stopped_down(results: &Results, lens: &str) -> Chart {
     of_pixels(&results.stopped_down, results.ties().times.ratio, lens)
 }
 
-/// Draws the share of the time that leaving out saves, against the time of a ray with everything kept.
+/// Draws the share of the time that is saved by leaving parts out, against the time of a ray with all parts kept.
 fn savings(results: &Results, lens: &str) -> Chart {
-    // Smallest share shown; smaller ones are drawn here.
+    // Smallest share shown; smaller shares are drawn at this value.
     const LEAST: f64 = 1e-3;
     let kinds = [
         ("in batches, wide open", Entry::Many, false),
@@ -329,7 +329,7 @@ fn with_front(series: impl Iterator<Item = Series>, tie: f64) -> Vec<Series> {
     series
 }
 
-/// Returns the index of a word among the words seen, and adds a new one.
+/// Returns the index of a word in the list of words seen, to which a new word is added.
 fn rank<'a>(seen: &mut Vec<&'a str>, word: &'a str) -> usize {
     seen.iter().position(|other| *other == word).unwrap_or_else(|| {
         seen.push(word);
@@ -337,12 +337,12 @@ fn rank<'a>(seen: &mut Vec<&'a str>, word: &'a str) -> usize {
     })
 }
 
-/// Axes of the charts of light against time: units per second, and the labels.
+/// Axes of the charts of light against time: units per second, then the two labels.
 type Axes = (f64, &'static str, &'static str);
 const FLAT_FIELD: Axes = (1e6, "time per estimate, µs", "RMS relative error");
 const WHOLE: Axes = (1e3, "time on one core, ms", "RMS error over the mean");
 
-/// Draws errors of curves against time; `line` gives a curve's name, colour and dashes.
+/// Draws the errors of curves against time; `line` returns the name, colour and dashes of a curve.
 fn lines<'a>(
     (second, cost, error): Axes,
     tie: f64,
@@ -420,7 +420,7 @@ fn set_up(results: &Results, lens: &str) -> Chart {
 }
 
 fn pupils(results: &Results, lens: &str) -> Chart {
-    // Smallest values shown, a share and a time in ms; smaller ones are drawn here.
+    // Smallest values shown, as a share and a time in ms; smaller values are drawn here.
     const LEAST: (f64, f64) = (1e-6, 1e-3);
     let series = |name: &str, number: usize, share: fn(&Coverage) -> f64| {
         let marks = results.pupils.iter().filter(|m| m.lens == lens).map(|m| Mark {
@@ -437,14 +437,14 @@ fn pupils(results: &Results, lens: &str) -> Chart {
     Chart { cost: "time to build, ms", error: "share", series, ..Chart::default() }
 }
 
-/// Draws stability cases by their condition number, for the tracers in `shown`, with bounds at `levels`.
+/// Draws stability cases by condition number, for the tracers in `shown`, with horizontal lines at `levels`.
 fn cases(results: &Results, title: &str, shown: &[&'static str], levels: Vec<(f64, String)>) -> Chart {
-    // Marks closer than about a pixel are drawn once, and exact results at this ratio.
+    // Marks closer than about a pixel are drawn once, and exact results are drawn at the ratio `EXACT`.
     const GRAIN: f64 = 20.0;
     const EXACT: f64 = 1e-6;
     let mut drawn = BTreeSet::new();
     let series = shown.iter().enumerate().map(|(number, &tracer)| {
-        // Cases without numbered rays have no condition number; the table has them.
+        // Cases without numbered rays have no condition number; only the table lists them.
         let own = results.stability.iter().filter(|case| case.tracer == tracer && case.condition > 0.0);
         let points = own
             .map(|case| [case.condition, case.ratio.max(EXACT)])

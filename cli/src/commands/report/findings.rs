@@ -1,5 +1,5 @@
-//! Tools that read conclusions from the results: the method that a tolerance chose, the curve that first stays below an
-//! error, its ties, and times in words.
+//! Tools that read conclusions from the results: the method that a tolerance chose, the curve that first stays below
+//! an error and the curves that tie with it, and times in words.
 
 use realistic_camera::Precision;
 use realistic_camera::plan::{Entry, Tracing};
@@ -25,7 +25,7 @@ pub fn range(times: impl Iterator<Item = f64> + Clone) -> String {
     format!("{} to {}", seconds(low), seconds(high))
 }
 
-/// Joins words with commas, and "and" before the last.
+/// Joins words with commas, and puts "and" before the last word.
 pub fn listed(words: &[String]) -> String {
     match words {
         [] => String::new(),
@@ -50,19 +50,19 @@ pub fn camera<'a>(
     })
 }
 
-/// Returns the camera that traces exactly to double precision, on the same film and called in the same way.
+/// Returns the camera that traces exactly in double precision, on the same film and called in the same way.
 pub fn exact<'a>(results: &'a Results, of: &Saving) -> Option<&'a Saving> {
     camera(results, &of.lens, of.stopped_down, of.entry, Asked::Precision(Precision::F64))
 }
 
-/// Returns the share of the time that a tolerance saves against the camera that traces to double precision, negative if
-/// it costs time; `None` for a tie.
+/// Returns the share of the time that a tolerance saves, compared with the camera that traces in double precision;
+/// negative if the tolerance costs time, `None` for a tie.
 pub fn gain(results: &Results, of: &Saving) -> Option<f64> {
     let ratio = of.left_out.median / exact(results, of)?.left_out.median;
     (ratio.max(ratio.recip()) > results.ties().times.ratio).then_some(1.0 - ratio)
 }
 
-/// Returns [`gain`] if it is positive.
+/// Returns the result of [`gain`] if it is positive.
 pub fn saved(results: &Results, of: &Saving) -> Option<f64> {
     gain(results, of).filter(|share| *share > 0.0)
 }
@@ -78,12 +78,13 @@ pub fn tracing(of: Tracing) -> String {
 
 /// The first curves to reach an error.
 pub struct Soonest<'a> {
-    /// The first curve, then those that tie with it.
+    /// The first curve, then the curves that tie with it, each with its time.
     pub first: Vec<(&'a Curve, f64)>,
 }
 
 impl Soonest<'_> {
-    /// Returns the property that all of the first curves share, if they do: a win of one kind over the others.
+    /// Returns the property that all of the first curves have in common, if there is one: this kind then wins over
+    /// the others.
     pub fn common<T: PartialEq>(&self, of: impl Fn(&Curve) -> T) -> Option<T> {
         let mut kinds = self.first.iter().map(|(curve, _)| of(curve));
         let kind = kinds.next()?;
@@ -91,8 +92,8 @@ impl Soonest<'_> {
     }
 }
 
-/// Returns the curves that first reach and stay below an error, and their times, interpolated by a power law between
-/// points.
+/// Returns the curves that are the first to reach an error and stay below it, with their times, which are
+/// interpolated between points by a power law.
 pub fn soonest<'a>(curves: impl Iterator<Item = &'a Curve>, error: f64, tie: Tie) -> Soonest<'a> {
     let mut first: Vec<(&Curve, f64)> =
         curves.filter_map(|curve| Some((curve, curve.time_to(error)?))).collect();
@@ -122,10 +123,10 @@ mod tests {
         let names = |soonest: &Soonest<'_>| soonest.first.iter().map(|(c, _)| c.sequence).collect::<Vec<_>>();
         assert_eq!(names(&at(1.1)), ["Sobol'"]);
         assert_eq!(at(1.1).common(|c| c.sequence), Some("Sobol'"));
-        // A fifth is a tie in this run: neither sequence wins, but the pupil still does.
+        // In this run, a difference of a fifth is a tie: neither sequence wins, but the pupil still does.
         assert_eq!(names(&at(1.3)), ["Sobol'", "random"]);
         assert_eq!((at(1.3).common(|c| c.sequence), at(1.3).common(|c| c.pupil)), (None, Some("warped")));
-        // Without repeats nothing wins.
+        // Without repeats, nothing wins.
         assert_eq!(at(f64::INFINITY).common(|c| c.pupil), None);
         assert!(soonest(curves.iter(), 1e-3, Tie { ratio: 1.0, share: 0.9, pairs: 1 }).first.is_empty());
     }

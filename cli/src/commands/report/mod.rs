@@ -38,7 +38,7 @@ pub struct Args {
 /// Measures, writes the folder and reports its path.
 ///
 /// # Errors
-/// A folder or file cannot be written.
+/// A folder or a file cannot be written.
 pub fn run(args: &Args) -> Result<(), Failure> {
     if let Some(name) = &args.case {
         return Ok(console::answer(&case(name)?, None)?);
@@ -90,10 +90,10 @@ fn random_case(number: u64) -> String {
     stability::random::Kind::Aspheres.case(number).name
 }
 
-/// The page's file.
+/// Name of the page's file.
 const PAGE: &str = "index.html";
 
-/// Progress without a terminal: a line at most every two seconds.
+/// Progress; without a terminal, a line at most every two seconds.
 struct Log {
     terminal: bool,
     last: Option<Duration>,
@@ -109,8 +109,8 @@ impl Log {
     }
 }
 
-/// Makes the folder and checks that the page can be written there, so that an error shows before minutes of
-/// measuring.
+/// Makes the folder and checks that the page can be written there, so that an error is reported before the
+/// measurements, which take minutes.
 fn make_folder(folder: &Path) -> Result<(), Failure> {
     files::make_folder(folder)?;
     let page = folder.join(PAGE);
@@ -124,7 +124,7 @@ fn make_folder(folder: &Path) -> Result<(), Failure> {
     .map_err(|error| Failure::cannot_write(&page, &error))
 }
 
-/// Writes tables, plots and page.
+/// Writes the tables, the plots and the page.
 fn write(results: &Results, suite: &Suite, took: Duration, folder: &Path) -> Result<(), Failure> {
     let save = |name: &str, text: &str| {
         let path = folder.join(name);
@@ -150,7 +150,7 @@ mod tests {
     };
     use realistic_lab::{accuracy::pictures, timing::Effort};
 
-    /// Returns the smallest suite that gives every figure data.
+    /// Returns the smallest suite that provides data for every figure.
     fn tiny() -> Suite {
         let effort = Effort { rounds: 1, least: Duration::from_micros(20) };
         let raster = Raster { xres: 6, yres: 4 };
@@ -205,7 +205,7 @@ mod tests {
         let at = |mark: &str| page.find(mark).unwrap_or_else(|| panic!("no {mark}"));
         assert!(at("class=\"result\"") < at("<img") && at("<img") < at("<table"));
         assert!(page.contains("prefers-color-scheme: dark"));
-        // Every answer in the table of needs is a tolerance's own choice, and one row states the cost.
+        // Every answer in the table of needs was chosen by a camera with that tolerance, and one row states the cost.
         assert!(page.contains("chose wide open, and what it cost"));
         for saving in &results.leaving_out {
             assert!(page.contains(&findings::tracing(saving.tracing)), "{saving:?}");
@@ -220,7 +220,7 @@ mod tests {
             let text = std::fs::read_to_string(folder.join(format!("{}.csv", table.name))).unwrap();
             let lines: Vec<Vec<&str>> = text.lines().map(|line| split(line)).collect();
             assert_eq!(lines.len(), table.rows.len() + 1);
-            // The table of failures should be empty.
+            // Only the table of failures should be empty.
             assert!(lines.len() > 4 || table.name == "stability-failures", "{}", table.name);
             for line in &lines {
                 assert_eq!(line.len(), table.columns.len(), "{line:?}");

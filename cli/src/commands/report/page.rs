@@ -1,4 +1,4 @@
-//! The page: one HTML file that needs only the files beside it.
+//! The page: one HTML file, which needs no files except those beside it.
 
 use super::advice::{advice, stability, what_to_use_when};
 use super::conclusions::{answers, sentences};
@@ -118,7 +118,7 @@ fn table(html: &mut String, table: &Table) {
         for cell in row {
             let text = match cell {
                 Cell::Text(text) => escaped(text),
-                // Counts are exact, measurements have their significant digits.
+                // Counts are exact, and measurements are shown with their significant digits.
                 Cell::Number(number) if number.fract() == 0.0 && number.abs() < 1e9 => format!("{number}"),
                 Cell::Number(number) if (0.01..1e4).contains(&number.abs()) => format!("{number:.2}"),
                 Cell::Number(number) => format!("{number:.1e}"),
@@ -175,7 +175,7 @@ fn in_words(Tie { ratio, share, pairs }: Tie) -> String {
     }
 }
 
-/// Writes the failing rays, each with the line that repeats its case.
+/// Writes the failing rays, each with the command line that repeats its case.
 fn failures(html: &mut String, results: &Results, suite: &Suite) {
     if let Some(headline) = stability(results, suite) {
         let _ = writeln!(html, "<p><strong>{}</strong></p>", escaped(&headline));
@@ -184,7 +184,7 @@ fn failures(html: &mut String, results: &Results, suite: &Suite) {
     if failures.rows.is_empty() {
         return;
     }
-    // The table's own file has all of them.
+    // The CSV file of the table has all rows.
     const SHOWN: usize = 200;
     let left = failures.rows.len().saturating_sub(SHOWN);
     table(html, &Table { rows: failures.rows.into_iter().take(SHOWN).collect(), ..failures });

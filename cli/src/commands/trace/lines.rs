@@ -1,4 +1,4 @@
-//! The lines of `trace`: parses a line to a ray, and formats a ray as a line.
+//! The lines of `trace`: parses a line as a ray, and formats a ray as a line.
 
 use realistic_base::message::cut;
 use realistic_optics::trace::{Blocked, Ray};
@@ -8,7 +8,7 @@ use std::io::{self, Write};
 /// A line of input.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum InputLine {
-    /// Only space or a comment.
+    /// Only white space or a comment.
     Empty,
     /// Names of columns.
     Header,
@@ -18,16 +18,16 @@ pub enum InputLine {
 
 const NAMES: [&str; 6] = ["x", "y", "z", "dx", "dy", "dz"];
 
-/// An error: the column in bytes, counted from 1, and the expected text.
+/// An error, as the column in bytes, counted from 1, and the expected text.
 type Wrong = (usize, String);
 
-/// Parses a line. `film` is the z of a ray with an empty z; `may_be_header` is true until the first
+/// Parses a line. `film` is the z of a ray whose z is empty; `may_be_header` is true up to and including the first
 /// line that is not empty.
 pub fn read_line(line: &[u8], film: Option<f64>, may_be_header: bool) -> Result<InputLine, Wrong> {
     let end = line.iter().position(|&byte| byte == b'#').unwrap_or(line.len());
     let text = std::str::from_utf8(&line[..end])
         .map_err(|error| (error.valid_up_to() + 1, "not text; expected a ray, x,y,z,dx,dy,dz".to_owned()))?;
-    // Some editors put the byte order mark of UTF-8 before the first line.
+    // Some editors write UTF-8's byte order mark before the first line.
     let (text, shift) = text.strip_prefix('\u{feff}').map_or((text, 0), |rest| (rest, 3));
     if text.trim().is_empty() {
         return Ok(InputLine::Empty);
@@ -135,7 +135,7 @@ mod tests {
             assert_eq!(at, column, "{expected}");
             assert!(expected.contains(part), "{expected}");
         }
-        // Infinity is a number, so this line is not a header, though a ray cannot have it.
+        // Infinity is a number, so this line is not a header, although a ray cannot have infinite coordinates.
         assert!(read_line(b"inf,0,0,0,0,1", None, true).is_err());
     }
 

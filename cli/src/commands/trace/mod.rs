@@ -27,7 +27,7 @@ pub struct Args {
     json: bool,
 }
 
-/// The side that light comes from.
+/// The side from which the light comes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Side {
     /// From behind the lens, toward +z
@@ -36,7 +36,7 @@ enum Side {
     Scene,
 }
 
-/// Input and output formats.
+/// Formats of the input and of the output.
 const FORMATS: &str = "Standard input: a ray a line, x,y,z,dx,dy,dz: a point on it and its direction (of any length), in \
      mm in lens space: origin at the vertex of the first interface, +z toward the scene, film at \
      negative z. Blank lines and # comments are skipped; a first line that begins with a letter is a \
@@ -55,10 +55,10 @@ fn with_methods() -> String {
     text
 }
 
-/// Traces standard input to standard output.
+/// Traces the rays on standard input and writes them to standard output.
 ///
 /// # Errors
-/// No such lens, or a line that is not a ray; the lines before it are traced.
+/// There is no such lens, or a line is not a ray; the lines before that line are traced.
 pub fn run(args: &Args) -> Result<(), Failure> {
     if args.lens.is_piped() {
         return Err(Failure::Usage("standard input has the rays; give the lens as a file".to_owned()));
@@ -85,7 +85,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         copy(input, &mut output, film, if args.json { LineFormat::Json } else { LineFormat::Csv }, |ray| {
             tracer.one(ray)
         });
-    // The rays before a bad line are still output.
+    // The rays before a bad line are still written.
     output.flush()?;
     outcome
 }

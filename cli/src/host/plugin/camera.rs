@@ -1,4 +1,4 @@
-//! A camera of the plugin, owned and safe to share.
+//! A camera of the plugin: an owned value that threads may share.
 
 use super::library::{Plugin, PluginError, text};
 use super::options;
@@ -14,17 +14,17 @@ use std::mem::MaybeUninit;
 use std::ptr::null;
 use std::sync::Arc;
 
-/// Receives the plugin's warnings while a camera is being built.
+/// A function that receives the plugin's warnings while a camera is being built.
 pub type Warn<'a> = &'a dyn Fn(&str);
 
-/// A built camera. It keeps its plugin loaded.
+/// A built camera, which keeps its plugin loaded.
 pub struct Camera {
     handle: *mut realistic_camera,
     plugin: Arc<Plugin>,
 }
 
-// SAFETY: the ABI states that a camera is immutable once built, and that any number of threads may request rays; it is
-// freed once, by whichever thread drops it.
+// SAFETY: the ABI states that a camera is immutable once built, and that any number of threads may request rays; the
+// thread that drops the camera frees it, once.
 unsafe impl Send for Camera {}
 // SAFETY: as above.
 unsafe impl Sync for Camera {}
@@ -34,7 +34,7 @@ impl Camera {
     /// plugin makes the build faster, with the same result to the last bit.
     ///
     /// # Errors
-    /// The plugin rejects the parameters; the message is its own.
+    /// The plugin rejects the parameters; the message is the plugin's.
     pub fn new(
         plugin: &Arc<Plugin>,
         donor: Option<&Self>,
@@ -60,7 +60,7 @@ impl Camera {
     /// The plugin's error.
     pub fn info(&self) -> Result<realistic_camera_info, PluginError> {
         let mut info = MaybeUninit::<realistic_camera_info>::zeroed();
-        // SAFETY: all of it is plain numbers, for which zeros are valid.
+        // SAFETY: the structure has only plain numbers, for which zeros are valid.
         let info = unsafe { info.assume_init_mut() };
         info.struct_size = size_of::<realistic_camera_info>() as u32;
         // SAFETY: the handle is this plugin's and alive; the structure states its size.
@@ -77,8 +77,8 @@ impl Camera {
         let mut name = [0_u8; 1024];
         let mut length = 0;
         let get = self.plugin.functions.camera_get_lens_name;
-        // SAFETY: the handle is this plugin's and alive. One byte is kept back, so that the
-        // name ends in a NUL whatever the plugin writes.
+        // SAFETY: the handle is this plugin's and alive. The last byte is withheld from the plugin, so that the name
+        // ends in a NUL whatever the plugin writes.
         unsafe {
             let start = name.as_mut_ptr().cast();
             self.plugin.check(get(self.handle, start, name.len() - 1, &mut length))?;
@@ -86,12 +86,12 @@ impl Camera {
         }
     }
 
-    /// Returns the plugin that made the camera.
+    /// Returns the plugin that built the camera.
     pub(super) fn plugin(&self) -> &Plugin {
         &self.plugin
     }
 
-    /// Returns the plugin's own handle, which is alive.
+    /// Returns the handle in the plugin, which is alive.
     pub(super) fn handle(&self) -> *const realistic_camera {
         self.handle
     }
@@ -129,10 +129,10 @@ pub unsafe fn generate(
     unsafe { request(plugin, camera, realistic_input::NONE, rays) }
 }
 
-/// Requests rays at a wavelength, nm, or the camera's own.
+/// Requests rays at a wavelength, nm, or at the camera's own wavelength.
 ///
 /// # Safety
-/// As [`generate`]; the wavelength is present for each sample, or absent.
+/// As for [`generate`]; the wavelength is present for each sample, or absent.
 unsafe fn request(
     plugin: &Plugin,
     camera: *const realistic_camera,
@@ -145,7 +145,7 @@ unsafe fn request(
     plugin.check(unsafe { (plugin.functions.camera_generate_batch)(camera, n, &request) })
 }
 
-/// Makes the request for rays of packed structures, as the header's inline function does.
+/// Makes the request for rays in packed structures, as the header's inline function does.
 pub fn request_of(Rays { samples, rays, weights }: Rays<'_>) -> realistic_request {
     assert!(samples.len() == rays.len() && samples.len() == weights.len());
     let (sample, ray) = (samples.as_ptr().cast::<f32>(), rays.as_mut_ptr().cast::<f32>());
@@ -179,7 +179,7 @@ pub fn request_of(Rays { samples, rays, weights }: Rays<'_>) -> realistic_reques
 
 impl Drop for Camera {
     fn drop(&mut self) {
-        // SAFETY: the handle is this plugin's, and there are no other users of it.
+        // SAFETY: the handle is this plugin's, and nothing else uses it.
         unsafe { (self.plugin.functions.camera_free)(self.handle) }
     }
 }
@@ -196,7 +196,7 @@ pub fn c_options(
     let size = size_of::<realistic_options>() as u32;
     // SAFETY: the structure has the stated size.
     plugin.check(unsafe { (plugin.functions.options_init)(raw.as_mut_ptr(), size) })?;
-    // SAFETY: it was filled in, and zeros, which it held before, are valid too.
+    // SAFETY: the plugin filled in the structure, whose previous zeros are valid, too.
     let mut raw = unsafe { raw.assume_init() };
     let strings = if parameters.lens_file.as_deref() == Some(PIPED) {
         let text = standard_input().map_err(PluginError::Refused)?;

@@ -1,5 +1,5 @@
-//! Connects points of a scene to a camera of the plugin: directions toward its lens, and the importance of rays
-//! along them.
+//! Connections from points of a scene to a camera of the plugin: directions toward its lens, and the importance of
+//! rays along these directions.
 
 use super::camera::Camera;
 use super::library::PluginError;
@@ -9,7 +9,7 @@ use realistic::ffi::{
 };
 use std::ptr::{null, null_mut};
 
-/// Points of a scene, in the camera's units, each with a pupil sample (u, v) and a time.
+/// Points of a scene, in the camera's units, each with a lens sample (u, v) and a time.
 #[derive(Default)]
 pub struct ScenePoints {
     columns: [Vec<f32>; 6],
@@ -44,9 +44,9 @@ impl ScenePoints {
 pub struct Connections {
     rays: [Vec<f32>; 6],
     image: [Vec<f32>; 2],
-    /// Density per solid angle at the point.
+    /// Probability density of the direction per solid angle at the point.
     pub density: Vec<f32>,
-    /// Importance We; 0 if no light gets through.
+    /// Importance We; 0 if no light passes.
     pub importance: Vec<f32>,
 }
 
@@ -61,7 +61,7 @@ impl Connections {
         [3, 4, 5].map(|axis| self.rays[axis][i])
     }
 
-    /// Returns raster coordinates.
+    /// Returns the raster coordinates of the film point.
     pub fn pixel(&self, i: usize) -> [f32; 2] {
         [0, 1].map(|axis| self.image[axis][i])
     }
@@ -76,10 +76,10 @@ pub type SampleImportance = unsafe extern "C" fn(
     *const realistic_importance,
 ) -> i32;
 
-/// Connects points of a scene to a camera by that function, and returns its status.
+/// Connects points of a scene to a camera with the function `sample`, and returns the function's status.
 ///
 /// # Safety
-/// The camera is alive, and the function is of its library.
+/// The camera is alive, and the function belongs to the camera's library.
 pub unsafe fn connect(
     sample: SampleImportance,
     camera: *const realistic_camera,
@@ -124,7 +124,7 @@ impl Camera {
     /// Connects points of the scene to the camera.
     ///
     /// # Errors
-    /// The plugin's error; its camera has no importance.
+    /// The plugin's error: the camera has no importance.
     pub fn connect(&self, scene_points: &ScenePoints, found: &mut Connections) -> Result<(), PluginError> {
         let sample = self.plugin().functions.camera_sample_importance;
         // SAFETY: the handle is this plugin's and alive.

@@ -1,4 +1,4 @@
-//! The loaded library, and its functions, resolved by name.
+//! The loaded library and its functions, which are resolved by name.
 
 use crate::failure::Failure;
 use libloading::Library;
@@ -58,7 +58,7 @@ pub enum PluginError {
     Invalid(String),
 }
 
-/// Returns the plugin's file name as cargo generates it.
+/// Returns the file name that cargo gives the plugin.
 pub fn file_name() -> String {
     format!("{DLL_PREFIX}realistic{DLL_SUFFIX}")
 }
@@ -114,12 +114,13 @@ functions! {
 pub struct Plugin {
     pub functions: Functions,
     path: PathBuf,
-    // Dropped last: the functions live in it.
+    // The last field is dropped last, because the functions live in the library.
     _library: Library,
 }
 
 impl Plugin {
-    /// Loads a plugin and checks that its ABI is this host's or a later one, which only adds to it.
+    /// Loads a plugin and checks that its ABI is this host's version or a later one; later versions only add
+    /// functions.
     ///
     /// # Errors
     /// The loader rejects the file, a function is missing, or the plugin's ABI is older than this host's.
@@ -130,12 +131,12 @@ impl Plugin {
             // The outer error names only the loader's function.
             reason: error.source().map_or(error.to_string(), ToString::to_string),
         };
-        // A path without a slash would send the loader through the system's directories.
+        // The loader would search the system's directories for a path without a slash.
         let exact = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
-        // SAFETY: loading runs the library's initialisers, which are Rust's own; the user
-        // named or built this file.
+        // SAFETY: loading runs the library's initialisers, which are those of Rust; the user named or built this
+        // file.
         let library = unsafe { Library::new(exact) }.map_err(failed)?;
-        // SAFETY: this signature is the one promise that every version of the ABI keeps.
+        // SAFETY: every version of the ABI keeps this signature.
         let found = unsafe {
             let abi_version =
                 library.get::<unsafe extern "C" fn() -> u32>(b"realistic_abi_version").map_err(failed)?;

@@ -1,14 +1,14 @@
-//! Finds the plugin: at the path that the user gives, in the build that the program belongs to, or where it is
+//! Finds the plugin: at the path that the user gives, in the build that contains the program, or where it is
 //! installed.
 
 use super::library::{PluginError, file_name};
 use std::path::{Path, PathBuf};
 
-/// The variable that names the plugin if `--plugin` does not.
+/// The environment variable that names the plugin if `--plugin` does not.
 const VARIABLE: &str = "REALISTIC_PLUGIN";
 
-/// Returns the plugin's file: `given`, else `REALISTIC_PLUGIN`, else the first that exists of the program's own
-/// candidates.
+/// Returns the plugin's file: `given`, else `REALISTIC_PLUGIN`, else the first of the program's own candidates that
+/// exists.
 ///
 /// # Errors
 /// No such file.
@@ -22,9 +22,9 @@ pub fn find(given: Option<&Path>) -> Result<PathBuf, PluginError> {
     })
 }
 
-/// Returns the paths that a program in this folder searches. In a target folder the copy in `deps/` comes first: cargo
-/// writes it whenever it builds the library for any reason, and puts one beside the program only when the library is
-/// the target.
+/// Returns the paths that a program in this folder searches. In a target folder, the copy in `deps/` comes first:
+/// cargo writes it in every build of the library, but puts a copy beside the program only when the library is the
+/// target.
 fn candidates(folder: &Path) -> Vec<PathBuf> {
     let deps = folder.join("deps");
     let in_build = deps.is_dir().then_some(deps);

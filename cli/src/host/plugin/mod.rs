@@ -1,4 +1,5 @@
-//! The plugin as a renderer uses it: a shared library, its functions by name, and the cameras that they make.
+//! The plugin as a renderer uses it: a shared library, its functions by name, and the cameras that these functions
+//! build.
 
 mod camera;
 mod connections;

@@ -5,11 +5,11 @@ use realistic::ffi::realistic_options;
 use realistic_camera::Parameters;
 use std::ffi::CString;
 
-/// Fills in the given parameters and leaves the rest. The options point at the returned strings,
-/// which must outlive them.
+/// Fills in the given parameters and leaves the others unchanged. The options point at the returned strings, which
+/// must outlive the options.
 ///
 /// # Errors
-/// A text that C cannot hold.
+/// A parameter has a text that C cannot hold.
 pub fn fill(options: &mut realistic_options, given: &Parameters) -> Result<Vec<CString>, PluginError> {
     let mut strings = Vec::new();
     options.fill(given, |value| {

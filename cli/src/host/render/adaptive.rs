@@ -1,20 +1,21 @@
 //! Adaptive sampling for pictures that are displayed with a known tone curve.
 //!
-//! **Number of samples.** For a given total the mean squared error is least if each pixel's number of samples is in
-//! proportion to the standard deviation of one. A quarter of the usual number is taken everywhere. The samples of the
-//! eight pixels around one determine the number of its remaining samples. Its own samples do not, so its mean is
-//! unbiased.
+//! **Number of samples.** For a given total, the mean squared error is least if the number of samples of each pixel
+//! is proportional to the standard deviation of a single sample. Every pixel first gets a quarter of the usual
+//! number. The samples of its eight neighbours then determine the number of its remaining samples. Its own samples do
+//! not, so its mean is unbiased.
 //!
 //! **Out of focus.** Where the lens blurs the scene, the picture has no detail finer than the blur, and neighbouring
 //! pixels share their samples (C. Soler, K. Subr, F. Durand, N. Holzschuch and F. Sillion, "Fourier Depth of Field",
 //! *ACM Transactions on Graphics* 28(2), 2009). A pixel shows the mean over a square around it, if the blur of every
-//! sample in the square is at least [`PARTS`] times its side. Edges become wider by at most a twelfth. The light of
-//! emitters connected to the lens ([`super::emitters`]) is shared, too. Objects in focus are not smoothed, whatever
-//! their noise.
+//! sample in the square is at least [`PARTS`] times the square's side. Edges become wider by at most a twelfth. The
+//! light of emitters that are connected to the lens ([`super::emitters`]) is shared, too. Objects in focus are not
+//! smoothed, whatever their noise.
 //!
-//! **The blur.** The camera's rays determine it: it is the ratio of the width of a pixel's beam at the object's
-//! distance to the distance between neighbouring pixels' beams. A block of pixels uses one beam of 16 rays and those of
-//! two pixels beside it. The width is that of the beam's narrow side, which is smaller toward the edges of the film.
+//! **The blur.** The camera's rays determine the blur. It is the width of a pixel's beam at the object's distance,
+//! divided by the distance there between the beams of neighbouring pixels. A block of pixels uses one beam of 16
+//! rays, and the beams of two other pixels beside it. The width is measured along the narrow side of the beam, which
+//! is smaller toward the edges of the film.
 
 use super::lamplight::START;
 use crate::image::{Picture, Tone};
@@ -22,23 +23,23 @@ use glam::{Mat2, Vec2, Vec3};
 use realistic::ffi::{realistic_ray, realistic_sample};
 use realistic_lab::render::{self, Integrand, Rays, Tally, Window};
 
-/// Standard deviation of a displayed sample, over the three colours, 1 being white, for which a pixel gets the usual
-/// number of samples. With this value the mean over a picture of the chess game is about that number.
+/// Standard deviation of a displayed sample, over the three colours and with white as 1, for which a pixel gets the
+/// usual number of samples. With this value, the mean number over a picture of the chess game is about the usual one.
 const DEVIATION: f32 = 0.12;
-/// Least and largest number of samples of a pixel, over the usual number.
+/// Least and largest number of samples of a pixel, as multiples of the usual number.
 const LEAST: f32 = 0.25;
 const MOST: f32 = 16.0;
-/// Blur diameter over the side of the square in which pixels share samples.
+/// Ratio of the blur diameter to the side of the square in which pixels share samples.
 const PARTS: f32 = 12.0;
-/// Largest number of pixels of a square on either side of its middle.
+/// Largest number of pixels on either side of the middle of such a square.
 pub const REACH: u32 = 4;
-/// Sides of the grid of lens samples that make a beam.
+/// Side of the grid of lens samples that form a beam.
 const GRID: u16 = 4;
-/// Pixels between compared beams.
+/// Distance between pixels whose beams are compared, in pixels.
 const STEP: u32 = 8;
-/// Exponent of the power mean that approximates the least blur.
+/// Exponent of the power mean that approximates the smallest blur.
 const POWER: i32 = -8;
-/// Bounds of a blur, pixels, whose powers are finite.
+/// Bounds of a blur in pixels, within which its powers are finite.
 const BLURS: [f32; 2] = [0.1, 1e4];
 
 /// Data for the visibility of a pixel's noise.
@@ -46,20 +47,20 @@ const BLURS: [f32; 2] = [0.1, 1e4];
 pub struct AdaptiveSampling<'a> {
     /// Tone curve with which the picture is displayed.
     pub tone: Tone,
-    /// Light that is added before pixels share: a picture of the same part.
+    /// Light that is added before pixels share samples, as a picture of the same part.
     pub beside: &'a Picture,
-    /// The part's top left pixel in the whole picture.
+    /// Top left pixel of the part in the whole picture.
     pub corner: [u32; 2],
     /// Width and height of the whole picture.
     pub whole: [u32; 2],
 }
 
-/// The integrand of the samples.
+/// An integrand that adaptive sampling can evaluate.
 pub trait AdaptiveIntegrand: Integrand<3> {
-    /// Makes samples placed from now on follow `before` others of their pixels.
+    /// Makes the samples placed from now on follow `before` earlier samples of the same pixels.
     fn follow(&mut self, before: usize);
 
-    /// Returns the radiance along the ray of the batch's sample `number`, and the ray's length, world units.
+    /// Returns the radiance along the ray of sample `number` of the batch, and the ray's length, world units.
     fn seen(&self, number: usize, ray: &realistic_ray) -> ([f32; 3], f32);
 }
 
@@ -67,7 +68,7 @@ pub trait AdaptiveIntegrand: Integrand<3> {
 pub type Sampled = (Vec<[f64; 3]>, Vec<f32>, Tally);
 
 impl AdaptiveSampling<'_> {
-    /// Samples a window, which lies in a block of pixels with the same blur.
+    /// Samples a window, which lies within a block of pixels with the same blur.
     ///
     /// # Errors
     /// The camera's error.
@@ -116,8 +117,8 @@ impl AdaptiveSampling<'_> {
         Ok((pixels, blurs, tally))
     }
 
-    /// Returns the standard deviation of a sample as displayed on top of a light, from the pixels around, over the
-    /// square that shares its samples.
+    /// Returns the standard deviation of a displayed sample, added to a light, after the mean over the square that
+    /// shares samples. The pixels in `around` determine it.
     fn deviation<'m>(&self, around: impl Iterator<Item = &'m Means>, beside: [f32; 3]) -> f32 {
         let (mut count, mut means, mut squares, mut blur) = (0.0, [0.0; 3], [0.0; 3], f32::INFINITY);
         for moments in around {
@@ -126,7 +127,8 @@ impl AdaptiveSampling<'_> {
             for colour in 0..3 {
                 let mean = moments[colour];
                 means[colour] += mean;
-                // The square of a ray's weight times its light. The weights of a pixel's rays differ little.
+                // The product approximates the mean square of weight times light, because the weights of a pixel's
+                // rays differ little.
                 squares[colour] += (moments[6] * moments[3 + colour] - mean * mean).max(0.0);
             }
         }
@@ -137,10 +139,10 @@ impl AdaptiveSampling<'_> {
         shown.into_iter().sum::<f32>().sqrt() / side(reach(blur))
     }
 
-    /// Traces the beam of a block's middle.
+    /// Traces the beam of the pixel in the middle of a block.
     fn beam<E>(&self, camera: impl Fn(Rays<'_>) -> Result<(), E>, block: Window) -> Result<Beam, E> {
         let middle = [0, 1].map(|axis| (block.corner[axis] + block.size[axis] / 2).min(self.whole[axis] - 1));
-        // The other pixels lie toward the middle of the picture, where there are pixels.
+        // The other two pixels lie toward the middle of the picture, so that they are inside the picture.
         let aside = |axis: usize| {
             let mut pixel = middle;
             pixel[axis] = if 2 * middle[axis] < self.whole[axis] {
@@ -182,12 +184,12 @@ fn side(reach: u32) -> f32 {
     (2 * reach + 1) as f32
 }
 
-/// Returns the pixels on either side of one that share samples, for a blur's diameter in pixels.
+/// Returns the number of pixels on either side of a pixel that share its samples, for a blur diameter in pixels.
 fn reach(blur: f32) -> u32 {
     (((blur / PARTS - 1.0) / 2.0).max(0.0) as u32).min(REACH)
 }
 
-/// Returns a picture whose pixels share samples by their blurs.
+/// Returns a picture whose pixels share samples according to their blurs.
 pub fn shared(picture: &Picture, blurs: &[f32]) -> Picture {
     let [width, height] = picture.size.map(|side| side as usize);
     let mut smooth = Picture::plain(picture.size, [0.0; 3]);
@@ -200,7 +202,7 @@ pub fn shared(picture: &Picture, blurs: &[f32]) -> Picture {
                 columns.map(move |column| row * width + column)
             })
         };
-        // A larger square has more pixels that may be too sharp for it.
+        // A larger square contains more pixels that may be too sharp for sharing.
         let fits = |radius: &u32| square(*radius as usize).all(|other| reach(blurs[other]) >= *radius);
         let reach = (1..=reach(blurs[index])).take_while(fits).last().unwrap_or(0);
         let (count, sum) = square(reach as usize).fold((0.0, Vec3::ZERO), |(count, sum), other| {
@@ -211,18 +213,18 @@ pub fn shared(picture: &Picture, blurs: &[f32]) -> Picture {
     smooth
 }
 
-/// A pixel's rays in a plane across them: positions at their start, and slopes.
+/// The rays of a pixel in a plane perpendicular to them, as positions at the start of the rays and slopes.
 struct Beam {
-    /// Covariances of the positions, of both, and of the slopes.
+    /// Covariances of the positions, of positions with slopes, and of the slopes.
     spread: [Mat2; 3],
-    /// Displacements of two other pixels' beams, per pixel: at the start, and per distance.
+    /// Displacements of the beams of two other pixels, per pixel: at the start of the rays, and per unit of distance.
     shifts: [[Vec2; 2]; 2],
     /// Whether there are enough rays.
     is_known: bool,
 }
 
 impl Beam {
-    /// Computes the beam from the rays of three pixels, [`STEP`] apart.
+    /// Computes the beam from the rays of three pixels that are [`STEP`] apart.
     fn of(rays: &[realistic_ray], weights: &[f32]) -> Self {
         let count = usize::from(GRID * GRID);
         let passes = |number: &usize| (0..3).all(|beam| weights[beam * count + number] > 0.0);
@@ -258,10 +260,10 @@ impl Beam {
         Self { spread, shifts, is_known: passing.len() > usize::from(GRID) }
     }
 
-    /// Returns the diameter, pixels, of the disk to which a point at a distance is blurred on the film, across its
+    /// Returns the diameter, pixels, of the disk to which the lens blurs a point at a distance, along the disk's
     /// narrow side.
     fn blur(&self, distance: f32) -> f32 {
-        // Beyond this the distance makes no difference.
+        // Beyond this distance, the blur no longer changes.
         const FAR: f32 = 1e6;
         let t = distance.min(FAR);
         let [a, b, c] = self.spread;
@@ -271,22 +273,22 @@ impl Beam {
         let least = half - (half * half - product).max(0.0).sqrt();
         let shift =
             self.shifts.iter().map(|[start, slope]| (*start + t * *slope).length()).fold(0.0, f32::max);
-        // An evenly lit disk is four standard deviations wide.
+        // The diameter of an evenly lit disk is four standard deviations.
         let blur = 4.0 * least.max(0.0).sqrt() / shift;
         if self.is_known && blur.is_finite() { blur.clamp(BLURS[0], BLURS[1]) } else { BLURS[0] }
     }
 }
 
-/// Means over a pixel's samples, each times a ray's weight: of the colours, of their squares, of 1, and of a power of
-/// the blur.
+/// Means over a pixel's samples of the ray's weight times each of these: the colours, their squares, 1, and a power
+/// of the blur.
 type Means = [f64; 8];
 
-/// Returns an approximation of the least blur of a pixel's samples; the lower bound if no ray passes.
+/// Returns an approximation of the smallest blur of a pixel's samples; the lower bound if no ray passes.
 fn least_blur(means: &Means) -> f32 {
     if means[6] > 0.0 { (means[7] / means[6]).powf(1.0 / f64::from(POWER)) as f32 } else { BLURS[0] }
 }
 
-/// The first samples of pixels, for their moments.
+/// The first samples of the pixels, which give their moments.
 struct Pilot<'v, V> {
     view: &'v mut V,
     beam: Beam,
@@ -371,7 +373,7 @@ mod tests {
         assert_eq!(whole, picture(3, [0; 2], SIZE));
         let [[left, top], [width, height]] = [[7, 3], [21, 17]];
         let part = picture(2, [left, top], [width, height]);
-        // The lower right corner of the part equals the whole picture's.
+        // The lower right corner of the part equals the same pixels of the whole picture.
         for (y, x) in (REACH..height).flat_map(|y| (REACH..width - 2 * REACH).map(move |x| (y, x))) {
             let of_whole = whole.pixels[((y + top) * SIZE[0] + x + left) as usize];
             assert_eq!(part.pixels[(y * width + x) as usize], of_whole, "{x} {y}");
@@ -380,7 +382,7 @@ mod tests {
 
     #[test]
     fn a_thin_lens_blurs_by_its_diameter_and_the_defocus() {
-        // A beam of a square lens in focus at 500; a pixel is 0.01 there.
+        // The beam of a square lens in focus at a distance of 500, where a pixel is 0.01 wide.
         const FOCUS: f32 = 500.0;
         let mut rays = Vec::new();
         for aside in [[0.0, 0.0], [0.01, 0.0], [0.0, 0.01]] {
@@ -393,7 +395,7 @@ mod tests {
             }
         }
         let beam = Beam::of(&rays, &vec![1.0; rays.len()]);
-        // Four points 10 apart have a standard deviation of 5 √5.
+        // Four points spaced by 10 have a standard deviation of 5 √5.
         for distance in [250.0_f32, 1000.0, 5000.0] {
             let shift = 0.01 * distance / FOCUS;
             let expected = 4.0 * 125.0_f32.sqrt() * (distance / FOCUS - 1.0).abs() / shift;
@@ -413,7 +415,7 @@ mod tests {
         let mut blurs = vec![PARTS * side(REACH); 24 * 24];
         let smooth = shared(&picture, &blurs);
         assert_eq!([8, 12, 16, 17].map(|x| value(&smooth, x, 12)), [1.0, 1.0, 1.0, 0.0]);
-        // The dot is in focus: it keeps its light, and no other pixel shares it.
+        // The dot is in focus: it keeps its light, and no other pixel shares that light.
         blurs[12 * 24 + 12] = 1.0;
         assert_eq!(shared(&picture, &blurs), picture);
     }

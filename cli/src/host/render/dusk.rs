@@ -1,15 +1,16 @@
 //! A scene in the light of its lamps and of a dusk sky, by path tracing from the camera.
 //!
-//! Points of lamps light every surface of a path but the last. A lamp is chosen in proportion to its unoccluded
-//! contribution to the camera, so only shadows and the lamps' extent are left to chance. A lamp's light is counted
-//! there and nowhere else: rays that leave a surface pass through lamps. Windows and sky count when a ray meets them.
-//! Coats and metals have facets whose slopes follow the GGX distribution with Smith's shadowing (B. Walter, S. R.
-//! Marschner, H. Li and K. E. Torrance, "Microfacet Models for Refraction through Rough Surfaces", EGSR 2007). A path
-//! goes on by a facet visible from its direction (E. Heitz, "Sampling the GGX Distribution of Visible Normals", *JCGT*
-//! 7(4), 2018).
+//! Points of lamps light every surface of a path except the last. A lamp is chosen in proportion to the light that it
+//! would contribute to the camera without occlusion, so only shadows and the lamps' extent are left to chance. The
+//! light of a lamp is counted in this way only: rays that leave a surface pass through lamps. Windows and sky count
+//! when a ray meets them. Coats and metals have facets whose slopes follow the GGX distribution with Smith's
+//! shadowing (B. Walter, S. R. Marschner, H. Li and K. E. Torrance, "Microfacet Models for Refraction through Rough
+//! Surfaces", EGSR 2007). A path continues by reflection from a facet that is visible from the path's direction (E.
+//! Heitz, "Sampling the GGX Distribution of Visible Normals", *JCGT* 7(4), 2018).
 //!
-//! With a table ([`super::irradiance_cache`]) matte reflection takes all other incident light from it, and paths go on
-//! only by facets. If a facet shows the matte surface, that light has passed one surface more than a path's.
+//! With a table ([`super::irradiance_cache`]), the matte part of a surface reflects all other incident light as read
+//! from the table, and paths continue only by facets. If a matte surface is seen in a facet, the light from the table
+//! has met one surface more than the light of a path could.
 
 use super::irradiance_cache::IrradianceCache;
 use super::lamplight::{START, scattered};
@@ -21,42 +22,43 @@ use glam::Vec3;
 use multiversion::multiversion;
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
 
-/// Surfaces of a path; the last one shows only if it is itself a light source.
+/// Number of surfaces of a path; the last one is visible only if it is itself a light source.
 const SURFACES: u32 = 3;
-/// Largest number of lamps in a scene: the size of the array of their contributions.
+/// Largest number of lamps in a scene, which is the size of the array of their contributions.
 const MOST: usize = 256;
-/// Lamp points that light the first surface of a path from the camera, and of a path that gathers for the table. The
-/// shares of all lamps cost as much as several shadow rays, so a pixel's surface uses more than one point.
+/// Number of lamp points that light the first surface of a path from the camera, and of a path that gathers for the
+/// table. Computing the shares of all lamps costs as much as several shadow rays, so a pixel's surface uses more than
+/// one point.
 const LAMPS: [u16; 2] = [3, 1];
-/// Lamp points for a later surface behind a white mirror. The number is in proportion to the path's throughput, so a
-/// surface behind metal has several and one behind a coat has one. Without a table matte surfaces continue paths, too,
-/// and later surfaces have one point.
+/// Number of lamp points for a later surface that is seen in a white mirror. The number is proportional to the path's
+/// throughput, so a surface seen in metal has several points and one seen in a coat has one point. Without a table,
+/// matte surfaces continue paths, too, and later surfaces have one point.
 const MIRRORED: f32 = 6.0;
-/// Lamps per block: shares are summed by block before one lamp of the block is chosen.
+/// Number of lamps per block: shares are summed by block before one lamp of the block is chosen.
 const BLOCK: usize = 16;
-/// A path whose throughput exceeds the reciprocal of this always goes on.
+/// A path continues with certainty if its throughput exceeds the reciprocal of this number.
 const CERTAIN: f32 = 5.0;
-/// Smallest probability with which any other path goes on.
+/// Smallest probability with which any other path continues.
 const RARE: f32 = 0.3;
 /// Reflectance of a coat at normal incidence.
 const COAT: f32 = 0.04;
-/// Smallest roughness: lamps' reflections come from choosing lamps, which would never show in a mirror.
+/// Smallest roughness: reflections of lamps come only from choosing lamps, and would never appear in a mirror.
 const POLISHED: f32 = 0.03;
 
 /// The lamps of a scene, prepared for sampling.
 pub struct Dusk<'a> {
     scene: &'a Scene,
     lamps: Vec<(Sphere, Vec3)>,
-    /// The lamps by coordinate: x, y, z, radius, brightness times radius squared.
+    /// The lamps as columns: x, y, z, radius, and brightness times squared radius.
     columns: [Vec<f32>; 5],
     /// The lamps as solids.
     bulbs: Solids,
-    /// Panes that rays from the camera see as dark, by plane.
+    /// Panes that rays from the camera see as dark, grouped by plane.
     dark: Vec<Vec<Pane>>,
     cache: Option<IrradianceCache>,
 }
 
-/// A light source that [`super::emitters`] connects to the lens.
+/// A light source that [`super::emitters`] can connect to the lens.
 #[derive(Clone, Copy, Debug)]
 pub enum Emitter<'a> {
     /// A lamp and its radiance.
@@ -70,16 +72,17 @@ pub enum Emitter<'a> {
 pub struct EmitterPoint {
     /// Position of the point.
     pub point: Vec3,
-    /// The surface's normal there.
+    /// Normal of the surface at the point.
     pub normal: Vec3,
     /// Emitted radiance.
     pub radiance: Vec3,
-    /// Density per area, 1/mm².
+    /// Probability density per area, 1/mm².
     pub density: f32,
 }
 
 impl Emitter<'_> {
-    /// Samples a point visible from another: of a lamp by its projected area, of a window evenly.
+    /// Samples a point that is visible from the point `from`: on a lamp in proportion to projected area, on a window
+    /// evenly.
     pub fn point(&self, from: Vec3, [u, v]: [f32; 2]) -> EmitterPoint {
         match self {
             Self::Lamp(sphere, radiance) => {
@@ -138,7 +141,7 @@ impl<'a> Dusk<'a> {
         Self { scene, lamps, columns, bulbs, dark, cache: None }
     }
 
-    /// Adds a table of the light that matte surfaces reflect, for a picture of this number of samples.
+    /// Adds a table of the light that matte surfaces reflect, for a picture with this number of samples.
     pub fn with_cache(self, samples: u64, seed: u64) -> Self {
         let eye = [3, 7, 11].map(|at| self.scene.pose[at]).into();
         Self { cache: Some(IrradianceCache::new(eye, samples, seed)), ..self }
@@ -150,7 +153,7 @@ impl<'a> Dusk<'a> {
         lamps.chain(self.scene.panes.iter().map(Emitter::Pane)).collect()
     }
 
-    /// Whether anything blocks a ray up to a distance.
+    /// Whether anything blocks a ray up to the distance `to`.
     pub fn hides(&self, ray: &Ray, to: f32) -> bool {
         self.scene.hides(ray, START, to) || self.bulbs.hides(ray, START, to)
     }
@@ -160,8 +163,8 @@ impl<'a> Dusk<'a> {
         self.along(ray, sample, 1, self.cache.as_ref())
     }
 
-    /// Returns the radiance along a ray, and the ray's length if it comes from the camera. `first` is the number, in
-    /// the path, of the surface that the ray meets.
+    /// Returns the radiance along a ray, and the ray's length if the ray comes from the camera. `first` is the number
+    /// of the surface that the ray meets, counted along the path.
     fn along(
         &self,
         ray: &Ray,
@@ -210,7 +213,7 @@ impl<'a> Dusk<'a> {
                 }
                 None => surface.scatter(sample.facet),
             };
-            // Russian roulette ends paths with little throughput, and the survivors' weights compensate.
+            // Russian roulette ends paths with little throughput; higher weights of the surviving paths compensate.
             let chance = (CERTAIN * brightness(through * part)).clamp(RARE, 1.0);
             if part == Vec3::ZERO || sample.fate >= chance {
                 break;
@@ -219,7 +222,7 @@ impl<'a> Dusk<'a> {
             through *= part / chance;
             ray = Ray { origin: surface.point, direction, time: ray.time };
             sample = sample.next();
-            // The next surface samples another lamp.
+            // The next surface samples another lamp point.
             sample.light = [(sample.light[0] + 0.618_034).fract(), (sample.light[1] + 0.381_966).fract()];
         }
         (sum, distance)
@@ -231,15 +234,15 @@ impl<'a> Dusk<'a> {
         planes.any(|panes| panes.iter().any(|pane| pane.contains(point)))
     }
 
-    /// Returns the irradiance of a surface, without the lamps.
+    /// Returns the irradiance of a surface from everything except lamps.
     fn irradiance(&self, cache: &IrradianceCache, surface: &Surface, aside: [f32; 2]) -> Option<Vec3> {
         let nearest = |ray: &Ray| self.scene.nearest_surface(ray, 0.0).map(|(hit, _)| hit);
         let radiance = |ray: &Ray, sample: ShadingSample| self.along(ray, sample, 2, None).0;
         cache.irradiance(surface.point, surface.normal, aside, nearest, radiance)
     }
 
-    /// Returns the light that a surface reflects from the lamps: the mean over `count` points of lamps, over their
-    /// density.
+    /// Returns the light that a surface reflects from the lamps: the mean over `count` points of lamps, each divided
+    /// by its density.
     fn lit(&self, surface: &Surface, time: f32, [u, v]: [f32; 2], count: u16) -> Vec3 {
         let mut shares = [0.0; MOST];
         let shares = &mut shares[..self.lamps.len()];
@@ -255,7 +258,7 @@ impl<'a> Dusk<'a> {
         }
         let mut sum = Vec3::ZERO;
         for number in (0..count).map(f32::from) {
-            // Each stratum of the sum of shares has one sample.
+            // Each stratum of the sum of shares contains one sample.
             let at = (number + u) / f32::from(count) * total;
             let (block, rest) = chosen(&blocks[..shares.len().div_ceil(BLOCK)], at);
             let first = block * BLOCK;
@@ -269,7 +272,8 @@ impl<'a> Dusk<'a> {
         sum / f32::from(count)
     }
 
-    /// Returns the light that a surface reflects from one lamp, by one direction within the cone that the lamp fills.
+    /// Returns the light that a surface reflects from one lamp, estimated from one direction within the cone that the
+    /// lamp fills.
     fn lit_by(&self, index: usize, surface: &Surface, time: f32, [u, v]: [f32; 2]) -> Vec3 {
         let (sphere, radiance) = self.lamps[index];
         let towards = sphere.centre - surface.point;
@@ -278,7 +282,7 @@ impl<'a> Dusk<'a> {
         if sine_squared >= 1.0 {
             return Vec3::ZERO;
         }
-        // 1 - cos of the cone, and of the direction.
+        // 1 - cos of the cone's half-angle, and of the direction's angle from the axis.
         let cone = sine_squared / (1.0 + (1.0 - sine_squared).sqrt());
         let down = u * cone;
         let level = (down * (2.0 - down)).sqrt();
@@ -304,20 +308,20 @@ impl Surface {
         let (matte, gloss) = match material.finish {
             Finish::Coated => ((1.0 - coat) * material.colour, Vec3::splat(COAT)),
             Finish::Metal => (Vec3::ZERO, material.colour),
-            // A lamp ends a path before it is shaded. Glass counts as matte, because the scene has none.
+            // A path ends at a lamp before the lamp is shaded. Glass counts as matte, because the scene has no glass.
             Finish::Matte | Finish::Lamp | Finish::Glass | Finish::Sheet => (material.colour, Vec3::ZERO),
         };
         Self { point, normal, back, matte, gloss, alpha: material.roughness.max(POLISHED) }
     }
 
-    /// Returns the facets' distribution for the cosine of their tilt.
+    /// Returns the density of the facets' distribution for the cosine of the facets' tilt.
     fn facets(&self, cosine: f32) -> f32 {
         let square = self.alpha * self.alpha;
         let part = cosine * cosine * (square - 1.0) + 1.0;
         square * FRAC_1_PI / (part * part)
     }
 
-    /// Returns Smith's shadowing and masking of both directions over 4 times both cosines.
+    /// Returns Smith's shadowing and masking for both directions, divided by 4 times both cosines.
     fn visible(&self, one: f32, other: f32) -> f32 {
         let square = self.alpha * self.alpha;
         let hidden = |cosine: f32| (cosine * cosine * (1.0 - square) + square).sqrt();
@@ -329,7 +333,8 @@ impl Surface {
         self.gloss + (Vec3::ONE - self.gloss) * (1.0 - cosine).clamp(0.0, 1.0).powi(5)
     }
 
-    /// Returns the radiance reflected for irradiance 1 at normal incidence from a direction: the BRDF times the cosine.
+    /// Returns the radiance that the surface reflects from a direction if the irradiance at normal incidence is 1:
+    /// the BRDF times the cosine.
     fn sends(&self, direction: Vec3) -> Vec3 {
         let [one, other] = [direction, self.back].map(|v| self.normal.dot(v));
         if one <= 0.0 || other <= 0.0 {
@@ -344,7 +349,7 @@ impl Surface {
         sent * one
     }
 
-    /// Samples the direction in which a path goes on, by a facet or as from a matte surface, and returns it with its
+    /// Samples the direction in which a path continues, from a facet or from the matte part, and returns it with its
     /// weight.
     fn scatter(&self, [u, v]: [f32; 2]) -> (Vec3, Vec3) {
         let other = self.normal.dot(self.back).max(1e-4);
@@ -362,7 +367,7 @@ impl Surface {
         (direction, part / chance)
     }
 
-    /// Samples the direction in which a path goes on by a facet, and returns it with its weight.
+    /// Samples the direction in which a path continues from a facet, and returns it with its weight.
     fn reflect(&self, [u, v]: [f32; 2]) -> (Vec3, Vec3) {
         if self.gloss == Vec3::ZERO {
             return (self.normal, Vec3::ZERO);
@@ -375,16 +380,16 @@ impl Surface {
         if one <= 0.0 || along <= 0.0 {
             return (self.normal, Vec3::ZERO);
         }
-        // BRDF times cosine over the density: the fraction of the facet's reflected light that other facets do not
-        // block.
+        // The BRDF times the cosine, divided by the density: the fraction of the facet's reflected light that other
+        // facets do not block.
         let square = self.alpha * self.alpha;
         let hidden = (other * other * (1.0 - square) + square).sqrt();
         let part = 2.0 * self.visible(one, other) * one * (other + hidden);
         (direction, self.reflects(along) * part)
     }
 
-    /// Samples the normal of a facet by its area visible from the ray's direction: the facets are those of a stretched
-    /// sphere, seen from a direction stretched likewise.
+    /// Samples the normal of a facet in proportion to its area visible from the ray's direction: the facets are those
+    /// of a stretched sphere, seen from a direction stretched in the same way.
     fn seen_facet(&self, [u, v]: [f32; 2]) -> Vec3 {
         let (side, up) = self.normal.any_orthonormal_pair();
         let [x, y, z] = [side, up, self.normal].map(|axis| axis.dot(self.back));
@@ -404,8 +409,8 @@ impl Surface {
     }
 }
 
-/// Computes the brightness that a surface reflects from every lamp, taken as a point without occlusion. The facets are
-/// rougher in proportion to the lamp's angular size.
+/// Computes the brightness that a surface reflects from every lamp, with each lamp as a point and without occlusion.
+/// The facets are made rougher in proportion to the lamp's angular size.
 #[multiversion(targets("x86_64+avx2"))]
 fn expected([xs, ys, zs, radii, powers]: [&[f32]; 5], surface: &Surface, shares: &mut [f32]) {
     let Surface { point, normal, back, .. } = surface;
@@ -429,7 +434,8 @@ fn expected([xs, ys, zs, radii, powers]: [&[f32]; 5], surface: &Surface, shares:
         let part = (upright * upright * (alpha_squared - 1.0) + length).max(1e-9);
         let visible = cosine * hidden_facing + facing * hidden(cosine);
         let facets = 0.5 * FRAC_1_PI * alpha_squared * length * length / (part * part * visible);
-        // The half vector of two unit vectors makes with either an angle whose cosine is half the length of their sum.
+        // The half vector of two unit vectors forms, with either of them, an angle whose cosine is half the length of
+        // their sum.
         let missing = (1.0 - 0.5 * length.sqrt()).max(0.0);
         let reflected = gloss + (1.0 - gloss) * (missing * missing) * (missing * missing) * missing;
         let coat = if gloss > 0.0 { reflected * facets } else { 0.0 };
@@ -437,7 +443,8 @@ fn expected([xs, ys, zs, radii, powers]: [&[f32]; 5], surface: &Surface, shares:
     }
 }
 
-/// Returns the index of the share that contains a position on their sum, and the position within the share.
+/// Returns the index of the share that contains a position along the sum of the shares, and the position within that
+/// share.
 fn chosen(shares: &[f32], mut position: f32) -> (usize, f32) {
     let mut index = 0;
     while index + 1 < shares.len() && position >= shares[index] {
@@ -452,8 +459,8 @@ fn brightness(colour: Vec3) -> f32 {
     colour.dot(Vec3::new(0.2126, 0.7152, 0.0722))
 }
 
-/// Samples a point on the half of a ball that faces a direction, by its projected area, and returns its normal and its
-/// density per area.
+/// Samples a point on the half of a ball that faces a direction, in proportion to projected area; returns the point's
+/// normal and its density per area.
 fn facing_point(sphere: &Sphere, towards: Vec3, [u, v]: [f32; 2]) -> (Vec3, Vec3, f32) {
     let normal = scattered(towards, [u, v]);
     let density = normal.dot(towards) / (PI * sphere.radius * sphere.radius);
@@ -503,7 +510,7 @@ mod tests {
 
     #[test]
     fn half_a_ball_is_seen_by_its_projected_area() {
-        // The mean cosine with the direction over the density is the area of a disk.
+        // The mean over points of the cosine with the direction, divided by the density, is the area of a disk.
         let sphere = Sphere::resting(Vec3::new(1.0, 2.0, 3.0), 5.0);
         let towards = Vec3::new(-0.5, 0.2, 0.7).normalize();
         let area = (0..1000).map(|index| {

@@ -1,13 +1,14 @@
-//! Connections of visible lamps and windows to the camera: points of each are connected to the lens along directions
-//! that the camera samples, and their light is added at the film points of these rays (as [`super::light`] does with
-//! all vertices of a path from a lamp). A ray from the camera meets a small lamp far out of focus only by chance, but
-//! here every sample reaches it. Rays suit a large lamp nearly in focus better: in most of its image each of them meets
-//! it.
+//! Connections of visible lamps and windows to the camera. Points of each emitter are connected to the lens along
+//! directions that the camera samples, and their light is added at the film points of these rays (as [`super::light`]
+//! does with all vertices of a path from a lamp). A ray from the camera meets a small lamp far out of focus only by
+//! chance, but every connected sample reaches it. Rays are better for a large lamp nearly in focus: in most of the
+//! lamp's image, every ray meets the lamp.
 //!
-//! The image of an emitter is the sharp one, blurred by the lens. A point represents a part of the emitter, and a
-//! direction a part of the lens. The light is therefore spread over a square of the film, a sixteenth of the smaller of
-//! both images and at most [`WIDEST`] pixels wide, so that every pixel receives light from many points. The edge of the
-//! image becomes wider by less than a tenth, and an occluder in front of it has an edge as wide as the square.
+//! The image of an emitter is its sharp image, blurred by the lens. A point represents a part of the emitter, and a
+//! direction represents a part of the lens. The light is therefore spread over a square of the film, so that every
+//! pixel receives light from many points. The area of the square is a sixteenth of that of the sharp image or of the
+//! blur, whichever is smaller, and its side is at most [`WIDEST`] pixels. The edge of the image becomes wider by less
+//! than a tenth, and an occluder in front of the emitter has an edge as wide as the square.
 
 use super::dusk::{Dusk, EmitterPoint};
 use super::renderer::Settings;
@@ -22,23 +23,23 @@ use realistic_lab::render::Tally;
 use realistic_lab::render::sequence::{Point, Sequence, strata};
 use std::time::Instant;
 
-/// Samples that estimate the size of an emitter's image.
+/// Number of samples that estimate the size of an emitter's image.
 const PILOT: u32 = 512;
-/// Largest share of an image that a sharp one would fill, for the emitter to be connected: about the share of the rays
-/// to its image that meet it.
+/// Largest share of its image that the sharp image may fill for an emitter to be connected; this is about the share
+/// of the rays to the image that meet the emitter.
 const SHARP: f64 = 0.3;
-/// Size of an image, pixels, below which the emitter is connected in any case.
+/// Area of an image, pixels, below which the emitter is always connected.
 const LARGE: f64 = 1000.0;
-/// Parts of the sharp image, or of the blur, of which a point's square is one.
+/// Ratio of the area of the sharp image, or of the blur if that is smaller, to the area of a point's square.
 const PARTS: f64 = 16.0;
 /// Largest side of the square, pixels. A larger one needs fewer points, but softens sharp objects in front of a window.
 const WIDEST: f64 = 4.0;
-/// Points that contribute to a pixel of an image, per sample of a pixel's rays.
+/// Number of points that contribute to a pixel of an image, per ray sample of a pixel.
 const DENSITY: f64 = 6.0;
 /// Least and largest number of samples of an emitter.
 const FEWEST: f64 = 1024.0;
 const MOST: f64 = 4_194_304.0;
-/// Points per call of the camera.
+/// Number of points per call of the camera.
 const BATCH: usize = 4096;
 
 /// Irradiance on a rectangle of the film.
@@ -57,7 +58,7 @@ struct Points {
     samples: u32,
     /// Seed of their random numbers.
     seed: u32,
-    /// The lens sample of all; `None` for one per point.
+    /// The lens sample that all points share; `None` if each point has its own.
     lens: Option<[f32; 2]>,
 }
 
@@ -67,11 +68,11 @@ pub struct EmitterPlan {
     /// Index of the emitter.
     pub emitter: usize,
     points: Points,
-    /// Side of the square that a point's light is spread over, pixels.
+    /// Side of the square over which the light of a point is spread, pixels.
     side: f64,
 }
 
-/// The whole picture of the emitters alone, for a camera at `eye`.
+/// The whole picture of only the emitters, for a camera at `eye`.
 pub struct EmitterPicture<'a> {
     /// The scene.
     pub dusk: &'a Dusk<'a>,
@@ -113,7 +114,7 @@ impl EmitterPicture<'_> {
                 (count, sum, squares, mixed) =
                     (count + 1.0, sum + at, squares + at * at, mixed + at.x * at.y);
             })?;
-            // An evenly lit ellipse has an area of 4π times the root of the determinant of its covariance.
+            // The area of an evenly lit ellipse is 4π times the root of the determinant of its covariance.
             let (mean, n) = (sum / f64::max(count, 1.0), f64::max(count, 1.0));
             let spread = squares / n - mean * mean;
             let determinant = spread.x * spread.y - (mixed / n - mean.x * mean.y).powi(2);
@@ -132,7 +133,7 @@ impl EmitterPicture<'_> {
         Ok(Some(EmitterPlan { emitter, points: points(samples, None), side: square.sqrt() }))
     }
 
-    /// Renders the picture. A part of it has the same bits as in the whole.
+    /// Renders the picture. A part of it is identical to that part of the whole picture, to the last bit.
     ///
     /// # Errors
     /// The camera's error.
@@ -183,9 +184,10 @@ impl EmitterPicture<'_> {
         }
         let [width, height] = [0, 1].map(|axis| high[axis] - low[axis]);
         let mut values = vec![DVec3::ZERO; (width * height) as usize];
-        // The film has an area of 1 in total, and the whole sum goes to a pixel's share of it.
+        // The film has an area of 1 in total, and a pixel has its share of that area; the whole sum counts for each
+        // pixel's share.
         let pixels = f64::from(self.whole[0]) * f64::from(self.whole[1]);
-        // Part of the square's side that lies in a pixel; a square of side 0 is a point.
+        // Share of the square's side that lies in a pixel; a square of side 0 is a point.
         let part = |at: f64, pixel: u32| {
             let [from, to] = [at - 0.5 * plan.side, at + 0.5 * plan.side];
             let within = to.min(f64::from(pixel + 1)) - from.max(f64::from(pixel));
@@ -205,7 +207,8 @@ impl EmitterPicture<'_> {
         Ok((EmitterImage { corner: low, width, values }, tally))
     }
 
-    /// Connects points of an emitter to the camera; `found` receives the film point and the light of each visible one.
+    /// Connects points of an emitter to the camera; `found` receives the film point and the light of each point that
+    /// is visible.
     fn join(
         &self,
         Points { emitter, samples, seed, lens }: Points,
@@ -215,7 +218,7 @@ impl EmitterPicture<'_> {
     ) -> Result<(), PluginError> {
         let emitter = self.dusk.emitters()[emitter];
         let units_per_mm = self.settings.mm_per_unit.recip();
-        // Areas are those of the scene, in mm².
+        // Areas are measured in the scene, in mm².
         let area = f64::from(units_per_mm).powi(2);
         let mut numbers: Vec<Point> = vec![Point::default(); samples as usize];
         Sequence::Sobol.fill(seed, 4, &mut numbers);
@@ -298,8 +301,8 @@ mod tests {
         }
     }
 
-    /// Makes lamps of the chess scene over the floor, as a camera at the origin sees them, so large that rays often
-    /// meet them; behind some of them is a wall with windows.
+    /// Makes lamps of the chess scene over the floor, as a camera at the origin sees them. The lamps are so large
+    /// that rays often meet them; behind some of them is a wall with windows.
     fn scene() -> Scene {
         const CENTRE: Vec3 = Vec3::new(-700.0, 250.0, 9000.0);
         const HALF: Vec3 = Vec3::new(1400.0, 350.0, 200.0);
@@ -343,12 +346,13 @@ mod tests {
         });
         let sum = |all: &[[f64; 2]]| all.iter().map(|[mean, _]| mean).sum::<f64>();
         assert!((sum(&met) / sum(&joined) - 1.0).abs() < 0.01, "{} {}", sum(&met), sum(&joined));
-        // Squares of a number with Student's distribution, with 15 to 30 degrees of freedom.
+        // Squares of a number that has Student's distribution with 15 to 30 degrees of freedom.
         let squares = met.iter().zip(&joined).map(|([a, of_a], [b, of_b])| (a - b).powi(2) / (of_a + of_b));
         let (chi, count) = (squares.sum::<f64>(), met.len() as f64);
         eprintln!("chi squared {chi:.0} of {count}");
         assert!(chi < 1.6 * count, "{chi} of {count}");
-        // Rays alone do not show the emitters. Connected emitters have far less noise than those that rays meet.
+        // Without connections, the rays do not show the emitters. Connected emitters have far less noise than
+        // emitters that rays meet.
         let (_, all) = emitters(&camera, &scene, &settings(1, 1, &[]));
         let lamps = scene.lamps.iter().map(|group| group.lamps.len()).sum();
         assert!(all.len() > 50 && all.contains(&lamps), "{all:?}");

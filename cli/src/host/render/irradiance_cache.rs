@@ -1,21 +1,21 @@
-//! An irradiance cache: a table of the light that a scene at rest receives from its surfaces, its windows and its sky.
+//! An irradiance cache: a table of the light that a scene at rest receives from its surfaces, windows and sky.
 //!
-//! A matte surface's reflection of that light changes slowly from point to point, but a single path samples it by
-//! chance: it is three fifths of the variance of a path tracer's picture, most of it from windows that one ray in
-//! twenty meets. The light is therefore gathered once for a small part of a surface (G. J. Ward, F. M. Rubinstein and
-//! R. D. Clear, "A Ray Tracing Solution for Diffuse Interreflection", SIGGRAPH 1988), by hundreds of rays with well
-//! spread directions, and every path that reaches the part reads it from the table. Lamps are not in the table: their
-//! shadows have edges.
+//! The light that a matte surface reflects from these sources changes slowly from point to point, but a single path
+//! samples it by chance. It accounts for three fifths of the variance of a path tracer's picture, mostly because of
+//! windows that one ray in twenty meets. The light is therefore gathered once for a small part of a surface (G. J.
+//! Ward, F. M. Rubinstein and R. D. Clear, "A Ray Tracing Solution for Diffuse Interreflection", SIGGRAPH 1988), by
+//! hundreds of rays with well spread directions, and every path that reaches the part reads the light from the table.
+//! Lamps are not in the table, because their shadows have edges.
 //!
 //! A part of a surface lies in one cell of a cubic grid and has its normal in one of 96 cones. Cells grow with the
-//! distance from the camera. The light is gathered at one point that depends only on the part: where a line through the
-//! cell's middle along the cone's axis meets a surface. Threads and their order therefore do not change a bit, and a
-//! part is gathered on first use. For the normal **n** of a point nearby the irradiance is **n · V**, with the vector
-//! **V** = ∫ L **ω** dω over the half space before the gathering point. For that point's own normal it is the
-//! irradiance, and its derivative is the irradiance's (G. J. Ward and P. S. Heckbert, "Irradiance Gradients", EGWR
-//! 1992). A point looks up the part at a random position up to half a cell beside it, so the mean over samples is
-//! linear between cells. If the line meets no surface of that kind, the part does not exist, and paths sample the
-//! light.
+//! distance from the camera. The light is gathered at one point that depends only on the part: the point where a line
+//! through the cell's middle along the cone's axis meets a surface. Neither the number of threads nor their order
+//! therefore changes any bit, and a part is gathered on first use. For a nearby point with the normal **n**, the
+//! irradiance is **n · V**, with the vector **V** = ∫ L **ω** dω over the half space in front of the gathering point.
+//! For the gathering point's own normal, both this value and its derivative are exact (G. J. Ward and P. S. Heckbert,
+//! "Irradiance Gradients", EGWR 1992). A point looks up the part at a random position up to half a cell beside it, so
+//! the mean over samples is linear between cells. If the line meets no surface with such a normal, the part does not
+//! exist, and paths sample the light instead.
 
 use super::lamplight::START;
 use super::shade::ShadingSample;
@@ -29,21 +29,23 @@ use std::f32::consts::{PI, TAU};
 use std::hash::{BuildHasher as _, RandomState};
 use std::sync::{PoisonError, RwLock};
 
-/// Largest side of a cell over its distance from the camera; the smallest is half of that. It trades the sharpness of
-/// indirect shadows for the table's size.
+/// Largest side of a cell, as a multiple of the cell's distance from the camera; the smallest side is half of that. A
+/// smaller cell gives sharper indirect shadows and a larger table.
 const COARSE: f32 = 0.04;
-/// Cones of normals along an edge of a cube's face.
+/// Number of cones of normals along an edge of a cube's face.
 const CONES: f32 = 4.0;
 /// Smallest cosine of the angle between a gathering point's normal and its cone's axis.
 const ALIKE: f32 = 0.8;
-/// Samples of a picture per ray that gathers for a part, then the fewest and the most rays. Tens of thousands of parts
-/// then cost a tenth of a picture. The most bounds a part's accuracy: its error stays at any number of samples.
+/// Number of samples of a picture for which a part gathers one ray, then the smallest and the largest number of rays.
+/// With these values, tens of thousands of parts cost a tenth of a picture. The largest number limits the accuracy of
+/// a part: the error of a part remains, however many samples the picture has.
 const SAMPLES: u64 = 1 << 19;
 const FEWEST: u64 = 16;
 const MOST: u64 = 4096;
-/// Smallest cosine by which the sideways part of the vector is divided: rays along the surface would be unbounded.
+/// Smallest cosine by which the component of the vector along the surface is divided; otherwise, rays along the
+/// surface would have no bound.
 const LEVEL: f32 = 0.1;
-/// Parts of the table with a lock each.
+/// Number of sections of the table, each with its own lock.
 const SHARDS: usize = 64;
 
 /// A cell and a cone.
@@ -55,7 +57,7 @@ struct Part {
     cone: u8,
 }
 
-/// Vectors whose product with the normal is the irradiance, by colour.
+/// For each colour, the vector whose product with the normal is the irradiance.
 type Irradiance = [Vec3; 3];
 type Shard = RwLock<HashMap<Part, Option<Irradiance>>>;
 
@@ -81,8 +83,9 @@ impl IrradianceCache {
         }
     }
 
-    /// Returns the irradiance at a point of a surface with this normal; `aside` selects the position in the cells
-    /// around it. `nearest` finds the surface that a ray meets, `radiance` the light along a ray that starts at one.
+    /// Returns the irradiance at a point of a surface with this normal. `aside` selects the position in the cells
+    /// around the point. `nearest` finds the surface that a ray meets, and `radiance` returns the light along a ray
+    /// that starts at a surface.
     pub fn irradiance(
         &self,
         point: Vec3,
@@ -107,7 +110,7 @@ impl IrradianceCache {
         Some(Vec3::from(found.map(|vector| vector.dot(normal).max(0.0))))
     }
 
-    /// Looks up the irradiance of a part, or gathers it now.
+    /// Looks up the irradiance of a part, or gathers it if the table does not have it yet.
     fn part(
         &self,
         part: Part,
@@ -151,7 +154,7 @@ impl IrradianceCache {
         let mut fates = vec![0.0; count];
         strata(seed, &mut fates);
         let (side, up) = normal.any_orthonormal_pair();
-        // The components along the normal and across it, by colour.
+        // The components along the normal and along the surface, by colour.
         let mut sum = [Vec3::ZERO; 3];
         for ((direction, facet), fate) in directions.iter().zip(&facets).zip(&fates) {
             let [u, v, light @ ..] = *direction;
@@ -179,11 +182,11 @@ fn gathering_point(part: Part, nearest: &impl Fn(&Ray) -> Option<Hit>) -> Option
     let origin = (part.cell.as_vec3() + 0.5) * side + side * axis;
     let ray = Ray { origin, direction: -axis, time: 0.0 };
     let hit = nearest(&ray).filter(|hit| hit.distance < 2.0 * side && hit.normal.dot(axis) > ALIKE)?;
-    // The point lies slightly in front of the surface: rounding of the distance could put it behind.
+    // The point lies slightly in front of the surface: rounding of the distance could otherwise put it behind.
     Some((ray.at(hit.distance) + 0.2 * START * hit.normal, hit.normal))
 }
 
-/// Returns the index of the cone that contains a normal: a square of a cube's face.
+/// Returns the index of the cone that contains a normal; each cone is a square of a cube's face.
 fn cone(normal: Vec3) -> u8 {
     let axis = normal.abs().max_position();
     let face = 2 * axis + usize::from(normal[axis] < 0.0);
@@ -226,7 +229,7 @@ mod tests {
         }
     }
 
-    /// A ball in light that comes from one side: L = 1 + cos of the angle with +x, everywhere.
+    /// A ball in light from one side: L = 1 + cos of the angle with +x, everywhere.
     #[test]
     fn a_ball_is_lit_as_the_closed_form_has_it() {
         let ball = Sphere::resting(Vec3::new(0.0, 0.0, 500.0), 60.0);
@@ -242,7 +245,7 @@ mod tests {
             let nearest = |ray: &Ray| ball.intersect(ray, 0.0, f32::INFINITY);
             let light = |ray: &Ray, _: ShadingSample| Vec3::splat(1.0 + ray.direction.x);
             let found = cache.irradiance(ball.centre + 60.0 * normal, normal, [a, b], nearest, light);
-            // Over the half space the first term integrates to π, the second to 2π/3 times the cosine.
+            // Over the half space, the first term integrates to π, and the second to 2π/3 times the cosine.
             let expected = PI + TAU / 3.0 * normal.x;
             worst = worst.max((found.unwrap().x / expected - 1.0).abs());
         }

@@ -1,5 +1,5 @@
-//! The light of lamps alone, by path tracing from the camera: lamps that a path meets, and up to two matte surfaces,
-//! each lit by one point of one lamp. Paths from the lamps start with [`Lights`], too.
+//! The light of lamps only, by path tracing from the camera. A path shows the lamps that it meets, and up to two
+//! matte surfaces, each lit by one point of one lamp. Paths from the lamps use [`Lights`], too.
 
 use super::shade::ShadingSample;
 use crate::host::scene::shapes::Ray;
@@ -7,10 +7,10 @@ use crate::host::scene::{Finish, Material, Scene, Sphere};
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};
 
-/// Largest number of matte surfaces on a path from a lamp to the camera. The samples of a path from the camera are
-/// independent up to this number.
+/// Largest number of matte surfaces on a path between a lamp and the camera. Up to this number, the samples of a path
+/// from the camera are independent.
 pub const REFLECTIONS: u32 = 2;
-/// Distance from a ray's start, mm, within which it meets nothing.
+/// Distance from the start of a ray, mm, within which the ray meets nothing.
 pub const START: f32 = 0.05;
 
 /// The lamps of a scene, chosen by their power.
@@ -25,16 +25,16 @@ pub struct Lights {
 pub struct LampPoint {
     /// Position of the point.
     pub point: Vec3,
-    /// The surface's normal there.
+    /// Normal of the surface at the point.
     pub normal: Vec3,
     /// Radiance in every direction outward.
     pub radiance: Vec3,
-    /// Density per area, 1/mm², including the choice of lamps by power.
+    /// Probability density per area, 1/mm², which includes the choice of lamps by power.
     pub density: f32,
 }
 
 impl Lights {
-    /// Prepares the lamps of a scene that they light.
+    /// Prepares the lamps of a scene that is lit by them.
     pub fn of(scene: &Scene) -> Self {
         let lamps: Vec<(Sphere, Vec3)> = scene
             .lamps
@@ -56,7 +56,8 @@ impl Lights {
         Self { lamps, shares }
     }
 
-    /// Returns a lamp for a number in [0, 1), the number's position in that lamp's share, and the share.
+    /// Returns the index of a lamp for a number in [0, 1), the position of the number in that lamp's share, and the
+    /// share.
     fn choose(&self, number: f32) -> (usize, f32, f32) {
         let index = self.shares.partition_point(|share| *share <= number).min(self.shares.len() - 1);
         let before = if index == 0 { 0.0 } else { self.shares[index - 1] };
@@ -76,8 +77,8 @@ impl Lights {
         LampPoint { point: sphere.centre + sphere.radius * normal, normal, radiance, density }
     }
 
-    /// Returns the irradiance of a matte surface from one direction within the cone that one lamp fills, over its
-    /// density.
+    /// Returns the irradiance of a matte surface from one direction within the cone that one lamp fills, divided by
+    /// the direction's density.
     fn irradiance(&self, scene: &Scene, point: Vec3, normal: Vec3, time: f32, [u, v]: [f32; 2]) -> Vec3 {
         let (index, u, share) = self.choose(u);
         let (sphere, radiance) = self.lamps[index];
@@ -87,7 +88,7 @@ impl Lights {
         if sine_squared >= 1.0 {
             return Vec3::ZERO;
         }
-        // 1 - cos of the cone, and of the direction.
+        // 1 - cos of the cone's half-angle, and of the direction's angle from the axis.
         let cone = sine_squared / (1.0 + (1.0 - sine_squared).sqrt());
         let down = u * cone;
         let level = (down * (2.0 - down)).sqrt();
@@ -136,14 +137,14 @@ impl Lights {
     }
 }
 
-/// Samples a direction from a matte surface in proportion to the cosine.
+/// Samples a direction from a matte surface, in proportion to the cosine.
 pub fn scattered(normal: Vec3, [u, v]: [f32; 2]) -> Vec3 {
     let (side, up) = normal.any_orthonormal_pair();
     let (sin, cos) = (TAU * v).sin_cos();
     (u.sqrt() * (cos * side + sin * up) + (1.0 - u).max(0.0).sqrt() * normal).normalize()
 }
 
-/// Returns a finish in a scene lit by lamps alone that paths from lamps cannot show, if there is one.
+/// Returns a finish in a lamplit scene that paths from the lamps cannot show, if there is one.
 pub fn not_matte(scene: &Scene) -> Option<Finish> {
     let is_left = |material: &Material| !matches!(material.finish, Finish::Matte | Finish::Lamp);
     let floor = (scene.floor)(Vec3::ZERO);

@@ -1,6 +1,6 @@
 //! Light tracing: each vertex of a path from the lamps is connected to the camera along a direction that the camera
-//! samples, and its light is added where that direction leads on the film (E. Veach, *Robust Monte Carlo Methods for
-//! Light Transport Simulation*, 1997, §10.3: the paths with one vertex on the lens).
+//! samples, and the vertex's light is added at the film point to which the direction leads (E. Veach, *Robust Monte
+//! Carlo Methods for Light Transport Simulation*, 1997, §10.3: the paths with one vertex on the lens).
 
 use super::lamplight::{Lights, REFLECTIONS, START, scattered};
 use super::renderer::Settings;
@@ -17,19 +17,21 @@ use realistic_lab::render::Tally;
 use std::f32::consts::PI;
 use std::time::Instant;
 
-/// Parts of a picture's paths, each with its own random numbers, whatever the number of threads.
+/// Number of parts into which a picture's paths are divided, each with its own random numbers, whatever the number of
+/// threads.
 const PARTS: u64 = 16;
-/// Paths per call of the camera.
+/// Number of paths per call of the camera.
 const BATCH: u64 = 1024;
 
-/// Light that a vertex of a path sends toward the camera, per cosine and density of the direction.
+/// Light that a vertex of a path sends toward the camera, still to be multiplied by the cosine and divided by the
+/// density of the direction.
 struct Vertex {
     normal: Vec3,
-    /// Radiance over the density of the vertex per area, 1/mm².
+    /// Radiance divided by the density of the vertex per area, 1/mm².
     strength: Vec3,
 }
 
-/// Renders the scene with as many paths as the settings have samples.
+/// Renders the scene with as many paths in total as the settings have samples.
 ///
 /// # Errors
 /// The camera's error.
@@ -70,7 +72,8 @@ pub fn trace(
         sums.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
         total.add(&tally);
     }
-    // The film has an area of 1 in total, and the whole sum goes to a pixel's share of it.
+    // The film has an area of 1 in total, and a pixel has its share of that area; the whole sum counts for each
+    // pixel's share.
     let scale = pixels as f64 / paths as f64;
     let pixels = sums.into_iter().map(|sum| (scale * sum).as_vec3().to_array()).collect();
     Ok((Picture { size: settings.size, pixels }, total))
@@ -89,7 +92,7 @@ struct Tracer<'a> {
 }
 
 impl Tracer<'_> {
-    /// Traces paths, and adds their light that reaches the film.
+    /// Traces paths, and adds the part of their light that reaches the film.
     fn batch(
         &mut self,
         count: u64,
@@ -139,7 +142,7 @@ impl Tracer<'_> {
         }
     }
 
-    /// Adds a point with a random pupil sample.
+    /// Adds a point with a random lens sample.
     fn push_point(&mut self, scene_points: &mut ScenePoints, point: Vec3, time: f32) {
         let sample = [self.random.random(), self.random.random()];
         scene_points.push((point * self.units_per_mm).to_array(), sample, time);
@@ -158,7 +161,7 @@ impl Tracer<'_> {
         if self.scene.nearest(&ray, START).is_some_and(|(hit, _)| hit.distance < distance) {
             return;
         }
-        // Areas are those of the scene, in mm².
+        // Areas are measured in the scene, in mm².
         let area = f64::from(self.units_per_mm).powi(2);
         let share = f64::from(found.importance[i]) * f64::from(cosine) / f64::from(found.density[i]) * area;
         let [x, y] = found.pixel(i).map(|at| at as usize);
@@ -174,14 +177,14 @@ mod tests {
     use super::*;
     use crate::host::scene::night;
 
-    /// Few and large pixels, so that paths from the camera meet lamps in each of them often enough to estimate its
-    /// error.
+    /// Few and large pixels, so that paths from the camera meet lamps often enough in each pixel to estimate the
+    /// pixel's error.
     const SIZE: [u32; 2] = [12, 8];
     fn settings(seed: u64, spp: u32) -> Settings<'static> {
         Settings::plain(SIZE, spp, seed)
     }
 
-    /// The night, with lamps so large that paths from the camera meet them, too.
+    /// The night scene, with lamps so large that paths from the camera meet them, too.
     fn large_lamps() -> Scene {
         const LARGER: f32 = 12.0;
         let mut scene = night::scene();
@@ -207,8 +210,8 @@ mod tests {
                 |scene_points: &ScenePoints, found: &mut Connections| camera.connect(scene_points, found);
             trace(joined, &scene, &settings(seed, 8192), [0.0, 1.0], &hidden).unwrap().0
         });
-        // Largest contribution of one path from the camera that meets a lamp to a mean: for rare hits it is variance
-        // over mean.
+        // Largest contribution to a mean of a single path from the camera that meets a lamp: for rare hits, it is
+        // variance over mean.
         let hit =
             from_camera.iter().filter(|[a, _]| *a > 0.0).map(|[a, square]| square / a).fold(0.0, f64::max);
         let mut parts: Vec<f64> = Vec::new();
@@ -216,7 +219,7 @@ mod tests {
             if *a > 0.0 {
                 parts.push((a - b).powi(2) / (a_square + b_square));
             } else {
-                // No path from the camera met a lamp: for an expectation of seven the probability of this is below
+                // No path from the camera met a lamp. If seven hits are expected, the probability of this is below
                 // one in a thousand.
                 assert!(*b < 7.0 * hit, "{b} and nothing, a hit {hit}");
             }
@@ -224,7 +227,7 @@ mod tests {
         let (sums, lamps): (f64, f64) =
             (from_camera.iter().map(|[mean, _]| mean).sum(), from_lamps.iter().map(|[mean, _]| mean).sum());
         let (chi, count) = (parts.iter().sum::<f64>(), parts.len() as f64);
-        // Squares of a number with Student's distribution, with 15 to 30 degrees of freedom.
+        // Squares of a number that has Student's distribution with 15 to 30 degrees of freedom.
         let expected = 1.11 * count;
         let spread = (3.0_f64 * count).sqrt();
         let worst = parts.iter().copied().fold(0.0, f64::max).sqrt();
@@ -232,7 +235,7 @@ mod tests {
             "chi squared {chi:.0} of {count}, sums {sums:.5} and {lamps:.5}, at most {worst:.1} standard errors"
         );
         assert!((sums / lamps - 1.0).abs() < 0.02, "{sums} {lamps}");
-        // The three channels of a pixel are correlated: a third of the numbers is independent.
+        // The three channels of a pixel are correlated, so only a third of the numbers is independent.
         assert!((chi - expected).abs() < 5.0 * 3.0_f64.sqrt() * spread, "{chi} of {count}");
         assert!(count > 250.0, "{count}");
     }
@@ -240,7 +243,7 @@ mod tests {
     #[test]
     fn small_lamps_out_of_focus_take_a_hundredth_of_the_samples() {
         let (camera, scene, hidden) = (Linked::new(SIZE, 1080.0), night::scene(), ProgressBar::hidden());
-        // Only the sky is compared: the upper third, which has the lamps.
+        // Only the sky is compared: the upper third of the picture, which has the lamps.
         let noise = |found: &[[f64; 2]]| {
             found[..(SIZE[0] * SIZE[1] / 3 * 3) as usize].iter().map(|[_, square]| square).sum::<f64>()
         };
@@ -252,7 +255,7 @@ mod tests {
                 |scene_points: &ScenePoints, found: &mut Connections| camera.connect(scene_points, found);
             trace(joined, &scene, &settings(seed, 16), [0.0, 1.0], &hidden).unwrap().0
         }));
-        // Variance is inversely proportional to the number of samples.
+        // The variance is inversely proportional to the number of samples.
         let ratio = from_camera / from_lamps * 512.0 / 16.0;
         eprintln!("one path from a lamp for {ratio:.0} from the camera");
         assert!(ratio > 100.0, "{ratio}");

@@ -1,4 +1,4 @@
-//! A camera of the library that the tests link, and statistics of its pictures.
+//! A camera of the library that is linked into the tests, and statistics of pictures from it.
 
 use crate::host::plugin::{Connections, PluginError, ScenePoints, connect, request_of};
 use crate::image::Picture;
@@ -7,7 +7,7 @@ use realistic_lab::render::Rays;
 use std::mem::MaybeUninit;
 use std::ptr::null_mut;
 
-/// Independent pictures of each kind.
+/// Number of independent pictures of each kind.
 pub const PICTURES: u32 = 16;
 
 /// A camera of the linked library, wide open.
@@ -17,11 +17,11 @@ pub struct Linked(*mut realistic_camera);
 unsafe impl Sync for Linked {}
 
 impl Linked {
-    /// Makes a camera for a picture of this size, in focus at a distance in mm from the film.
+    /// Makes a camera for a picture of this size, focused at `focus_distance`, mm from the film.
     pub fn new([width, height]: [u32; 2], focus_distance: f64) -> Self {
         let mut options = MaybeUninit::<realistic_options>::zeroed();
         let mut camera = null_mut();
-        // SAFETY: room for the whole structure, whose pointers live until the camera is built.
+        // SAFETY: there is room for the whole structure, and its pointers live until the camera is built.
         unsafe {
             let size = size_of::<realistic_options>() as u32;
             assert_eq!(realistic_options_init(options.as_mut_ptr(), size), realistic_status::Ok);
@@ -54,7 +54,7 @@ impl Linked {
             // SAFETY: the caller's promise.
             unsafe { realistic_camera_sample_importance(camera, n, points, aimed, importance) as i32 }
         }
-        // SAFETY: the camera is alive, and this library's.
+        // SAFETY: the camera is alive and belongs to this library.
         assert_eq!(unsafe { connect(sample, self.0, scene_points, found) }, 0);
         Ok(())
     }
@@ -67,7 +67,7 @@ impl Drop for Linked {
     }
 }
 
-/// Returns mean and squared standard error of every value over pictures with different seeds.
+/// Returns the mean and the squared standard error of every value, over pictures with different seeds.
 pub fn pictures(picture: impl Fn(u64) -> Picture) -> Vec<[f64; 2]> {
     let all: Vec<Picture> = (0..u64::from(PICTURES)).map(|seed| picture(100 + seed)).collect();
     let n = f64::from(PICTURES);

@@ -1,4 +1,4 @@
-//! Rendering: tiles over all cores, and every pixel the mean over its samples.
+//! Rendering in tiles on all cores; every pixel is the mean over its samples.
 
 use super::adaptive::{self, AdaptiveSampling};
 use super::dusk::Dusk;
@@ -26,32 +26,34 @@ pub const TILE: u32 = 16;
 pub struct Settings<'a> {
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// The top left pixel: nonzero for a tile of the camera's picture.
+    /// The top left pixel, which is not 0 for a tile of the camera's picture.
     pub corner: [u32; 2],
     /// Samples per pixel.
     pub spp: u32,
-    /// Seed: pictures with the same seed are equal, whatever the number of threads, and a tile is a part of the whole.
+    /// Seed. Pictures with the same seed are equal, whatever the number of threads, and a tile equals that part of
+    /// the whole.
     pub seed: u64,
-    /// Millimetres of the scene per world unit of the camera.
+    /// Millimetres in the scene per world unit of the camera.
     pub mm_per_unit: f32,
-    /// Indices of the lamps and windows that rays from the camera see as dark, at dusk ([`super::EmitterPicture`]).
+    /// Indices of the lamps and windows at dusk that rays from the camera see as dark ([`super::EmitterPicture`]).
     pub joined: &'a [usize],
-    /// Criterion by which pixels get more or fewer samples than `spp` at dusk, with surfaces' light from a table;
-    /// `None` for plain paths with equally many samples per pixel. Pixels nearer than [`adaptive::REACH`] to an edge of
-    /// the part, where the picture goes on, differ from the whole picture's.
+    /// Criterion by which pixels at dusk get more or fewer samples than `spp`, while a table provides the light of
+    /// surfaces; `None` for plain paths with equally many samples per pixel. Where the picture continues beyond the
+    /// part, the part's pixels nearer than [`adaptive::REACH`] to its edge differ from those of the whole picture.
     pub adaptive: Option<AdaptiveSampling<'a>>,
-    /// One in this number of the picture's tiles is rendered, with [`MARGIN`] pixels around it; the rest stays black.
+    /// One tile in this number of tiles of the picture is rendered, with [`MARGIN`] pixels around it; the rest stays
+    /// black.
     pub stride: u32,
 }
 
 impl Settings<'_> {
-    /// Returns settings of a whole picture by plain paths, of a scene in the camera's world units.
+    /// Returns the settings for a whole picture by plain paths, of a scene in the camera's world units.
     pub fn plain(size: [u32; 2], spp: u32, seed: u64) -> Self {
         Self { size, corner: [0; 2], spp, seed, mm_per_unit: 1.0, joined: &[], adaptive: None, stride: 1 }
     }
 }
 
-/// Pixels around a tile that contribute to it: those that share samples, and one for the filter.
+/// Number of pixels around a tile that contribute to it: those that share samples, and one for the filter.
 const MARGIN: u32 = adaptive::REACH + 1;
 
 /// Renders the scene on the current thread pool.
@@ -64,7 +66,7 @@ pub fn render(
     settings: &Settings<'_>,
     progress: &ProgressBar,
 ) -> Result<(Picture, Tally), PluginError> {
-    // Tiles are the same in every part of a picture.
+    // The tiles have the same positions in every part of a picture.
     let first = settings.corner.map(|at| at / TILE);
     let end = [0, 1].map(|axis| settings.corner[axis] + settings.size[axis]);
     let across = end[0].div_ceil(TILE) - first[0];
@@ -115,8 +117,8 @@ pub fn render(
     Ok((picture, total))
 }
 
-/// Returns the part of a tile, from its top left pixel, that is rendered if one in `stride` tiles is: such a tile, and
-/// the margin around one.
+/// Returns the part of a tile, relative to its top left pixel, that is rendered if one in `stride` tiles is rendered:
+/// such a tile as a whole, or the margin of such a neighbour.
 fn rendered_part(tile: [u32; 2], tiles: [u32; 2], stride: u32) -> Option<[[u32; 2]; 2]> {
     let around = |axis: usize| tile[axis].saturating_sub(1)..(tile[axis] + 2).min(tiles[axis]);
     let others = around(1).flat_map(|y| around(0).map(move |x| [x, y]));
@@ -133,8 +135,8 @@ fn rendered_part(tile: [u32; 2], tiles: [u32; 2], stride: u32) -> Option<[[u32; 
     Some([all.map(|[low, _]| low), all.map(|[_, high]| high)])
 }
 
-/// Returns the RMS difference between two pictures over their rendered tiles, over √2: the noise of one if they have
-/// different seeds. Also returns the mean.
+/// Returns the RMS difference between two pictures over their rendered tiles, divided by √2, which is the noise of
+/// either picture if their seeds differ. Also returns the mean.
 pub fn noise(one: &Picture, other: &Picture, stride: u32) -> [f64; 2] {
     let [width, height] = one.size;
     let tiles = [width, height].map(|side| side.div_ceil(TILE));
@@ -155,7 +157,7 @@ pub fn noise(one: &Picture, other: &Picture, stride: u32) -> [f64; 2] {
     [(squares / count).sqrt(), sum / count]
 }
 
-/// The lighting, which determines the method for the light along a ray.
+/// The lighting, which determines how the light along a ray is computed.
 enum Lighting<'a> {
     Day,
     Lamps(Lights),
@@ -182,13 +184,13 @@ impl<'a> Lighting<'a> {
 }
 
 /// The scene as one tile samples it. Each pair of coordinates is well spread over the pixel, the lens, the sun or the
-/// facets, and independent of the others.
+/// facets, and is independent of the other pairs.
 struct SceneSampler<'a> {
     scene: &'a Scene,
     light: &'a Lighting<'a>,
     mm_per_unit: f32,
     seed: u64,
-    /// Samples of a pixel taken before.
+    /// Number of samples of a pixel that were taken before.
     before: usize,
     pairs: [Vec<Point>; 5],
     times: Vec<f32>,
@@ -212,13 +214,13 @@ impl<'a> SceneSampler<'a> {
         }
     }
 
-    /// Converts a camera's ray to millimetres.
+    /// Converts a ray of the camera to millimetres.
     fn world(&self, ray: &realistic_ray) -> Ray {
         let origin = Vec3::from_array(ray.o) * self.mm_per_unit;
         Ray { origin, direction: Vec3::from_array(ray.d), time: ray.time }
     }
 
-    /// Returns the random numbers of a pixel of the whole picture, the same in every part of it.
+    /// Returns the random numbers of a pixel of the whole picture, which are the same in every part of the picture.
     fn random(&self, [x, y]: [u32; 2]) -> Xoshiro256PlusPlus {
         let pixel = u64::from(y) << 32 | u64::from(x);
         // An odd multiplier keeps neighbouring seeds from sharing pixels.
@@ -229,7 +231,7 @@ impl<'a> SceneSampler<'a> {
 impl Integrand<3> for SceneSampler<'_> {
     fn place(&mut self, [x, y]: [u32; 2], first: usize, samples: &mut [realistic_sample]) {
         let mut random = self.random([x, y]);
-        // The samples continue those taken before; the strata of times and fates are new.
+        // The samples continue the earlier ones; the strata of times and fates are new.
         let before = self.before as u32;
         let [pairs @ .., aside] = &mut self.pairs;
         for pair in pairs {
@@ -364,7 +366,7 @@ mod tests {
             let hidden = ProgressBar::hidden();
             render(|rays| camera.rays(rays), &props::scene(), &settings, &hidden).unwrap().0
         };
-        // Tiles 0 and 7 of 4 x 3 are rendered: at the top left and in the middle of the last column.
+        // Tiles 0 and 7 of 4 x 3 are rendered, one at the top left and one in the middle of the last column.
         let (whole, parts) = (pictured(1), pictured(7));
         let near = |at: u32, [from, to]: [u32; 2]| at + MARGIN >= from && at < to + MARGIN;
         for (index, pixel) in (0..).zip(&parts.pixels) {

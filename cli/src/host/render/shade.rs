@@ -1,6 +1,6 @@
-//! The light along a ray: sun with soft shadows, sky by formula, and reflections and refractions
-//! for a few bounces. This is distributed ray tracing: each ray samples one point of the sun and
-//! one facet of a rough surface, so that a pixel's many rays cover them all.
+//! The light along a ray: sun with soft shadows, a sky given by a formula, and reflections and refractions for a few
+//! bounces. This is distributed ray tracing: each ray samples one point of the sun and one facet of a rough surface,
+//! so that the many rays of a pixel cover them all.
 
 use crate::host::scene::shapes::{Hit, Ray};
 use crate::host::scene::{Finish, Material, Scene, sky};
@@ -9,17 +9,17 @@ use glam::{Vec2, Vec3};
 /// Samples of the light and of the surfaces that a camera ray meets; coordinates in [0, 1).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ShadingSample {
-    /// Chooses a point of the sun.
+    /// Selects a point of the sun.
     pub light: [f32; 2],
-    /// Chooses the facet of a rough surface.
+    /// Selects the facet of a rough surface.
     pub facet: [f32; 2],
-    /// Decides whether a path goes on.
+    /// Decides whether a path continues.
     pub fate: f32,
-    /// Chooses a position beside a point, whose gathered light the point uses.
+    /// Selects a position beside a point; the point uses the light gathered at that position.
     pub aside: [f32; 2],
 }
 
-/// Smallest contribution of a branch that is followed.
+/// Smallest contribution for which a branch is followed.
 const FAINT: f32 = 0.02;
 const BOUNCES: u32 = 6;
 /// Distance, mm, at which the air transmits 1/e of the light.
@@ -90,7 +90,7 @@ impl Shader<'_> {
                 }
                 let part = fresnel(cosine.abs().min(-bent.dot(normal)), 0.04);
                 let through = material.colour * send(bent.normalize(), 1.0 - part);
-                // Further bounces of light inside a ball cost much and show little.
+                // Further bounces of light inside a ball cost much and are hardly visible.
                 if cosine > 0.0 { through + send(mirrored, part) } else { through }
             }
             Finish::Sheet => {
@@ -122,8 +122,8 @@ impl Shader<'_> {
 }
 
 impl ShadingSample {
-    /// Returns the samples for the next bounce: the facet's moves by a step of the plastic number's lattice, the others
-    /// stay.
+    /// Returns the samples for the next bounce: the facet's sample moves by a step of the plastic number's lattice,
+    /// and the others stay.
     pub fn next(self) -> Self {
         let step = |[u, v]: [f32; 2]| [(u + 0.754_878).fract(), (v + 0.569_840).fract()];
         Self { facet: step(self.facet), ..self }
@@ -142,8 +142,8 @@ fn facet(normal: Vec3, roughness: f32, [u, v]: [f32; 2]) -> Vec3 {
     (normal + slope.x * side + slope.y * up).normalize()
 }
 
-/// Returns the direction reflected by a facet of a surface whose normal is `outward`. A direction
-/// into the surface is folded back: masked facets lose no light.
+/// Returns the direction reflected by a facet of a surface whose normal is `outward`. A direction into the surface is
+/// folded back, so that masked facets lose no light.
 fn off(direction: Vec3, facet: Vec3, outward: Vec3) -> Vec3 {
     let mirrored = direction.reflect(facet);
     let side = -outward.dot(direction).signum();

@@ -1,9 +1,9 @@
-//! Colour by wavelength: a picture for each of several wavelengths, and their sum.
+//! Colour by wavelength: a picture for each of several wavelengths, and the sum of these pictures.
 //!
-//! The scene has red, green and blue; its light at a wavelength is red R(λ) + green G(λ) + blue B(λ)
-//! with three smooth spectra that add up to 1. The film's three responses are the CIE colour
-//! matching functions in sRGB's primaries, times the matrix that gives a picture without colour
-//! errors exactly the colours of the scene. Any difference in colour is therefore due to the lens.
+//! The scene has colours of red, green and blue; the light at a wavelength is red R(λ) + green G(λ) + blue B(λ) with
+//! three smooth spectra that add up to 1. The film's three responses are the CIE colour matching functions in the
+//! primaries of sRGB, multiplied by a matrix for which a picture without colour errors has exactly the colours of the
+//! scene. Any difference in colour is therefore due to the lens.
 
 use crate::image::Picture;
 use glam::{Mat3, Vec3};
@@ -17,8 +17,8 @@ const TO_SRGB: Mat3 = Mat3::from_cols_array(&[
     3.240_625, -0.968_931, 0.055_710, -1.537_208, 1.875_756, -0.204_021, -0.498_629, 0.041_518, 1.056_996,
 ]);
 
-/// Returns wavelengths, nm, and the weight of each one's picture in the whole, as a matrix. The
-/// matrices add up to the identity. `count` is 3 or more: fewer cannot make every colour.
+/// Returns wavelengths, nm, and for each the weight of its picture in the whole, as a matrix. The matrices add up to
+/// the identity. `count` is 3 or more, because fewer wavelengths cannot produce every colour.
 pub fn bands(count: u32) -> Vec<(f64, Mat3)> {
     let width = (VISIBLE.end() - VISIBLE.start()) / f64::from(count);
     let middle = |index: u32| VISIBLE.start() + (f64::from(index) + 0.5) * width;
@@ -35,7 +35,7 @@ pub fn bands(count: u32) -> Vec<(f64, Mat3)> {
     raw.into_iter().map(|(wavelength, band)| (wavelength, correction * band)).collect()
 }
 
-/// Adds a band's picture to the whole.
+/// Adds the picture of a band to the whole.
 pub fn add(whole: &mut Picture, band: Mat3, picture: &Picture) {
     for (sum, colour) in whole.pixels.iter_mut().zip(&picture.pixels) {
         *sum = (Vec3::from_array(*sum) + band * Vec3::from_array(*colour)).to_array();
@@ -73,8 +73,8 @@ mod tests {
 
     #[test]
     fn the_fit_has_the_published_integrals() {
-        // The tabulated 1931 functions have integrals of 106.857, 106.857 and 106.892 per nm from
-        // 360 to 830.
+        // The tabulated functions of 1931 have integrals of 106.857, 106.857 and 106.892, from 360 to 830 nm at 1 nm
+        // steps.
         let integral = (360..=830).map(|nm| matching(nm as f32)).sum::<Vec3>();
         assert!((integral - Vec3::splat(106.86)).abs().max_element() < 1.0, "{integral}");
         assert!((0..100).all(|step| (emission(400.0 + 3.0 * step as f32).element_sum() - 1.0).abs() < 1e-6));

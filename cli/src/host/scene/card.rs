@@ -1,5 +1,5 @@
-//! The print of the scene's cards: a title, an arrow up, an arrow to the right and a star. No part of it looks
-//! the same in a mirror or upside down.
+//! The print of the scene's cards: a title, an arrow up, an arrow to the right and a star. Every part of it looks
+//! different in a mirror and upside down.
 
 use super::print::Print;
 use crate::drawing::shapes::{Anchor, Page, Stroke};
@@ -60,7 +60,7 @@ mod tests {
                 rows.flat_map(|y| columns.clone().map(move |x| [x, y].map(|at| f32::from(at) / 4.0)));
             samples.filter(|[x, y]| dark(*x, *y)).count()
         };
-        // The title has a stem at the left and a foot at the bottom.
+        // The first letter of the title has a stem at the left and a foot at the bottom.
         assert!(ink(148..160, 18..48) > 10 && ink(163..176, 18..48) == 0 && ink(161..172, 48..56) > 4);
     }
 }

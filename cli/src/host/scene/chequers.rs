@@ -1,20 +1,20 @@
-//! The report's scene: radiance by a short formula, so that nearly all of the time is the camera's. It has a
-//! chequerboard plane across the axis, lights in front of it, and a bright horizon beyond its edge. Lengths are in
-//! focal lengths of the lens, so that every lens sees the same blur.
+//! The report's scene. A short formula gives the radiance, so that the camera takes nearly all of the time. The scene
+//! has a chequerboard plane perpendicular to the axis, lights in front of it, and a bright horizon beyond its edge.
+//! Lengths are in focal lengths of the lens, so that every lens sees the same blur.
 
 use realistic::ffi::realistic_ray;
 
 /// Distance of the board, focal lengths.
 const BOARD: f32 = 60.0;
-/// Width of a square, as an angle's tangent.
+/// Width of a square, as the tangent of an angle.
 const SQUARE: f32 = 0.11;
 /// Distance of the lights, focal lengths.
 const LIGHTS: f32 = 15.0;
-/// Distance between two lights, as an angle's tangent.
+/// Distance between two lights, as the tangent of an angle.
 const SPACING: f32 = 0.3;
-/// Radius of a light, as an angle's tangent.
+/// Radius of a light, as the tangent of an angle.
 const RADIUS: f32 = 0.02;
-/// Tangent at which the board ends.
+/// Tangent of the angle at which the board ends.
 const EDGE: f32 = 3.0;
 
 /// Returns the radiance toward a ray in lens space, mm, for a lens of this focal length, mm.
@@ -37,7 +37,7 @@ pub fn radiance(focal_length: f64, ray: &realistic_ray) -> f32 {
     }
 }
 
-/// Returns the point at which the ray meets the plane at `distance`, over that distance.
+/// Returns the point at which the ray meets the plane at `distance`, divided by that distance.
 fn tangents(
     &realistic_ray { o: [x, y, z], d: [dx, dy, dz], .. }: &realistic_ray,
     distance: f32,

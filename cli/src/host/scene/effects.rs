@@ -1,5 +1,5 @@
-//! The effects of distributed ray tracing, each of them optional (R. L. Cook, T. Porter and L.
-//! Carpenter, "Distributed Ray Tracing", *Computer Graphics* 18(3), SIGGRAPH 1984).
+//! The effects of distributed ray tracing, each of which is optional (R. L. Cook, T. Porter and L. Carpenter,
+//! "Distributed Ray Tracing", *Computer Graphics* 18(3), SIGGRAPH 1984).
 
 use clap::ValueEnum;
 use std::fmt::{self, Display};
@@ -20,12 +20,12 @@ pub enum Effect {
     Motion,
 }
 
-/// The effects of a picture; without any it is classical ray tracing.
+/// The effects of a picture; without any effect, the picture is made by classical ray tracing.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Effects(Vec<Effect>);
 
 impl Effects {
-    /// Makes a set of these effects alone.
+    /// Makes a set of only these effects.
     pub fn only(effects: &[Effect]) -> Self {
         Self(effects.into())
     }

@@ -1,5 +1,5 @@
-//! The scenes: shapes, materials and light by formula, and the placement of objects. `chequers` is a single
-//! formula, for the report, which times cameras.
+//! The scenes: shapes, materials and light computed by formula, and the placement of objects. `chequers` is a single
+//! formula for the report, which times cameras.
 
 mod card;
 pub mod chequers;

@@ -1,5 +1,5 @@
-//! The stage at night: a card and matte balls in the light of one lamp outside the picture, and many small lamps in the
-//! dark, far behind the plane of focus.
+//! The scene at night: a card and matte balls in the light of one lamp outside the picture, and many small lamps in
+//! the dark, far behind the plane in focus.
 
 use super::objects::{Ball, Finish, Lamps, Material};
 use super::pose::LEVEL;
@@ -11,7 +11,7 @@ use glam::Vec3;
 /// z of the card, mm.
 const STAGE: f32 = 1000.0;
 
-/// Makes the scene at night, without mirrors and glass.
+/// Makes the scene at night, which has neither mirrors nor glass.
 pub fn scene() -> Scene {
     let matte = |colour: [f32; 3]| Material::new(colour, Finish::Matte);
     Scene {
@@ -49,7 +49,7 @@ fn street() -> Lamps {
     (0..20).map(placed_lamp).collect()
 }
 
-/// Makes the lights of a town, a few millimetres large like the street's.
+/// Makes the lights of a town, which are a few millimetres large, like those of the street.
 fn town() -> Lamps {
     let placed_lamp = |index: u8| {
         let step = f32::from(index);

@@ -1,4 +1,4 @@
-//! Patterns by formula: pseudo-random numbers that depend on the position.
+//! Patterns computed by formula: pseudo-random numbers that depend on the position.
 
 use glam::Vec3;
 
@@ -15,8 +15,7 @@ pub fn hash(x: i32, y: i32, z: i32) -> f32 {
     (bits >> 8) as f32 / (1 << 24) as f32
 }
 
-/// Returns noise in [0, 1) with features of size about 1: random values on a grid, blended
-/// smoothly.
+/// Returns noise in [0, 1) with features of a size of about 1: random values on a grid, interpolated smoothly.
 pub fn value(point: Vec3) -> f32 {
     let cell = point.floor();
     let part = point - cell;

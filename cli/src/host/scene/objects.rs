@@ -1,4 +1,4 @@
-//! The objects of a scene: materials, and the shapes that have one.
+//! The objects of a scene: materials, and the shapes that are made of them.
 
 use super::card::GRID;
 use super::print::Print;
@@ -14,7 +14,7 @@ pub const FLOOR: Floor = Floor { height: -155.0 };
 pub enum Finish {
     /// Reflects in all directions.
     Matte,
-    /// Reflects in all directions under a clear coat, which reflects like a mirror.
+    /// Reflects in all directions, under a clear coat that reflects like a mirror.
     Coated,
     /// Reflects like a mirror, tinted.
     Metal,
@@ -83,21 +83,21 @@ impl Ball {
     }
 }
 
-/// An upright board; with a print it is one of the cards.
+/// An upright board; a board with a print is one of the cards.
 #[derive(Clone)]
 pub struct Board {
     /// Shape of the board.
     pub panel: Panel,
     /// Print that covers the whole board.
     pub print: Option<Arc<Print>>,
-    /// Material; a print has its own colours.
+    /// Material of a board without a print; a print has its own colours.
     pub material: Material,
 }
 
 /// Lamps that lie close together.
 #[derive(Clone)]
 pub struct Lamps {
-    /// A box around all of them.
+    /// A box around all of the lamps.
     pub bounds: Bounds,
     /// The lamps.
     pub lamps: Vec<Ball>,
@@ -106,14 +106,14 @@ pub struct Lamps {
 /// Largest rounding error of a point of a solid's surface, mm.
 const ROUNDING: f32 = 0.1;
 
-/// A rectangle of a solid's surface that emits light where its material is a lamp.
+/// A rectangle on the surface of a solid that emits light where its material is a lamp.
 #[derive(Clone, Copy, Debug)]
 pub struct Pane {
-    /// A corner.
+    /// Corner of the rectangle.
     pub corner: Vec3,
-    /// The sides from the corner, at a right angle.
+    /// The two sides from the corner, which form a right angle.
     pub sides: [Vec3; 2],
-    /// The surface's normal.
+    /// Normal of the surface.
     pub normal: Vec3,
     /// Material of the solid as a function of the point and the normal.
     pub material_at: fn(Vec3, Vec3) -> Material,

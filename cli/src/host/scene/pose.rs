@@ -1,13 +1,13 @@
 //! The pose of a camera in a scene.
 
-/// The pose of a camera: the row-major matrix for column vectors from its space, mm, to the
-/// scene's.
+/// The pose of a camera: the row-major matrix that maps column vectors from camera space, mm, to the space of the
+/// scene.
 pub type Pose = [f32; 16];
 
 /// The pose at the scene's origin, level, looking along +z.
 pub const LEVEL: Pose = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
-/// Returns the pose at a position, mm, tilted downward by an angle in degrees.
+/// Returns the pose at a position, mm, with a downward tilt in degrees.
 pub fn tilted(degrees: f32, [x, y, z]: [f32; 3]) -> Pose {
     let (sine, cosine) = degrees.to_radians().sin_cos();
     [1.0, 0.0, 0.0, x, 0.0, cosine, -sine, y, 0.0, sine, cosine, z, 0.0, 0.0, 0.0, 1.0]

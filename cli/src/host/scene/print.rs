@@ -1,10 +1,10 @@
-//! The print on an object of a scene: a drawing as a texture.
+//! The print on an object of a scene: a drawing that serves as a texture.
 
 use crate::drawing::shapes::Page;
 use crate::image::{Picture, SrgbImage};
 use glam::{Vec2, Vec3};
 
-/// A drawing as linear colours, with [`Print::TEXELS`] texels per unit each way.
+/// A drawing in linear colours, with [`Print::TEXELS`] texels per unit in both directions.
 #[derive(Debug)]
 pub struct Print {
     texture: Picture,
@@ -19,8 +19,8 @@ impl Print {
         Self { texture: Picture::from(&page.pixels(Self::TEXELS).unwrap_or(empty)) }
     }
 
-    /// Returns the colour at a position on the page, x to the right and y down from its top left corner: bilinear, and
-    /// beyond the page that of the nearest edge.
+    /// Returns the colour at a position on the page, with x to the right and y down from the top left corner. The
+    /// colour is interpolated bilinearly; beyond the page, it is that of the nearest edge.
     pub fn colour(&self, at: Vec2) -> Vec3 {
         let last = Vec2::from(self.texture.size.map(|side| (side - 1) as f32));
         let position = (at * Self::TEXELS - 0.5).clamp(Vec2::ZERO, last);

@@ -1,6 +1,6 @@
-//! The objects of the built-in scene: a card to focus on beside two balls at the same distance;
-//! balls nearer and farther; a sign at eight metres on the axis, for lenses too long for the card;
-//! lamps behind, whose images become out-of-focus disks.
+//! The objects of the built-in scene: a card to focus on and two balls beside it at the same distance; balls nearer
+//! and farther away; a sign at eight metres on the axis, for lenses too long for the card; lamps behind, whose images
+//! become out-of-focus disks.
 
 use super::card;
 use super::objects::{Ball, Board, FLOOR, Finish, Lamps, Material};
@@ -33,8 +33,7 @@ pub fn scene() -> Scene {
     }
 }
 
-/// Returns the z of the default subject: the card, or the sign if the film is too small for the
-/// whole card.
+/// Returns the z of the default subject: the card, or the sign if the whole card does not fit on the film.
 fn subject(focal_length: f64, film_diagonal: f64) -> f32 {
     let seen = film_diagonal / 2.0 / focal_length * f64::from(CARD.z);
     let fits = seen > f64::from(CARD.truncate().length());
@@ -49,7 +48,7 @@ fn tiles(point: Vec3) -> Material {
     Material::new(colour, Finish::Coated)
 }
 
-/// Distance from pole to pole, mm.
+/// Distance from one pole to the next, mm.
 const SPAN: f32 = 5200.0;
 
 /// Makes the cards, and poles for the nearer string of lamps.
@@ -83,7 +82,7 @@ pub fn pole(x: f32, z: f32, height: f32, width: f32) -> Board {
     Board::plain(corner, Vec2::new(width, height), Material::new([0.11, 0.09, 0.08], Finish::Matte))
 }
 
-/// Makes balls on the floor: x, z, radius, colour, finish.
+/// Makes balls on the floor, given by x, z, radius, colour and finish.
 fn balls() -> Vec<Ball> {
     use Finish::{Coated, Glass, Metal};
     const CORAL: [f32; 3] = [0.66, 0.11, 0.07];
@@ -119,7 +118,7 @@ fn balls() -> Vec<Ball> {
         (950.0, 10_000.0, 280.0, CREAM, Coated),
         (-2600.0, 3000.0, 480.0, LEAF, Coated),
         (3400.0, 4100.0, 560.0, PLUM, Coated),
-        // Balls behind the camera, which show in mirrors.
+        // Balls behind the camera, which are visible in mirrors.
         (-500.0, -1300.0, 330.0, AMBER, Coated),
         (900.0, -1800.0, 420.0, LEAF, Coated),
     ]
@@ -130,7 +129,7 @@ fn balls() -> Vec<Ball> {
             _ => 0.0,
         };
         let material = Material::new(colour, finish).rough(roughness);
-        // One ball rolls past the card if balls may move.
+        // One ball rolls past the card if the balls may move.
         let mut ball = Ball::standing([x, z], radius, material);
         if colour == CORAL && z < 500.0 {
             ball.shape.velocity = Vec3::new(-60.0, 0.0, 25.0);
@@ -140,7 +139,7 @@ fn balls() -> Vec<Ball> {
     .into()
 }
 
-/// Makes lamps on a line that hangs between a low and a high point in every span.
+/// Makes lamps on a line that hangs between a low and a high point in every span between poles.
 fn string(z: f32, radius: f32, pitch: f32, [low, high]: [f32; 2]) -> Lamps {
     const WARM: [[f32; 3]; 3] = [[13.0, 7.4, 2.6], [13.0, 4.2, 1.5], [11.0, 8.8, 5.0]];
     let count = (3.0 * SPAN / pitch) as i32;
@@ -154,11 +153,11 @@ fn string(z: f32, radius: f32, pitch: f32, [low, high]: [f32; 2]) -> Lamps {
     (-count / 2..=count / 2).map(hang).collect()
 }
 
-/// Makes the lights of a town before the hills, close together on the axis.
+/// Makes the lights of a town in front of the hills, close together on the axis.
 fn town() -> Lamps {
     const TINTS: [[f32; 3]; 4] = [[7.0, 4.4, 1.6], [2.2, 4.8, 7.0], [7.5, 2.0, 1.2], [6.5, 5.9, 4.4]];
     let placed_lamp = |index: u8| {
-        // Steps of the golden and the plastic number give no visible pattern.
+        // Steps by the golden ratio and the plastic number give no visible pattern.
         let step = f32::from(index);
         let (a, b) = ((step * 0.618_034).fract(), (step * 0.754_878).fract());
         let z = 22_000.0 + 14_000.0 * b;

@@ -13,7 +13,7 @@ pub struct Ray {
     pub time: f32,
 }
 
-/// Time at which a moving shape is at its described position: the middle of the default shutter.
+/// Time at which a moving shape is at its described position: the middle of the default exposure.
 pub const MID_SHUTTER: f32 = 0.5;
 
 impl Ray {
@@ -32,7 +32,7 @@ pub struct Hit {
     pub normal: Vec3,
 }
 
-/// A shape that a ray can intersect.
+/// A shape that can be intersected with a ray.
 pub trait Shape {
     /// Returns the nearest intersection farther than `from` and nearer than `to`.
     fn intersect(&self, ray: &Ray, from: f32, to: f32) -> Option<Hit>;
@@ -66,8 +66,8 @@ impl Shape for Sphere {
         let centre = self.centre_at(ray.time);
         let towards = centre - ray.origin;
         let along = towards.dot(ray.direction);
-        // The offset is measured from the foot of the perpendicular, because b^2 - c of the
-        // textbook formula loses a small lamp tens of metres away to rounding.
+        // The offset is measured from the foot of the perpendicular, because b^2 - c of the textbook formula would
+        // lose a small lamp tens of metres away to rounding.
         let aside = towards - along * ray.direction;
         let half = self.radius * self.radius - aside.length_squared();
         if half <= 0.0 {
@@ -84,7 +84,7 @@ impl Shape for Sphere {
     }
 }
 
-/// The horizontal plane at a height, seen from above.
+/// The horizontal plane at a height, visible from above only.
 #[derive(Clone, Copy, Debug)]
 pub struct Floor {
     /// y of the plane.
@@ -101,7 +101,7 @@ impl Shape for Floor {
 /// An upright rectangle that faces the camera.
 #[derive(Clone, Copy, Debug)]
 pub struct Panel {
-    /// The corner at the top left, as the camera sees it.
+    /// The top left corner, as the camera sees it.
     pub corner: Vec3,
     /// Width and height.
     pub size: Vec2,
@@ -120,7 +120,7 @@ impl Shape for Panel {
 }
 
 impl Panel {
-    /// Returns a point's coordinates on the panel: to the right and down from the corner.
+    /// Returns the coordinates of a point on the panel: to the right and down from the corner.
     pub fn coordinates(&self, point: Vec3) -> Vec2 {
         let offset = point - self.corner;
         Vec2::new(offset.x, -offset.y)

@@ -5,7 +5,7 @@ use glam::Vec3;
 
 /// Irradiance of a surface that faces the sun.
 pub const SUNLIGHT: Vec3 = Vec3::new(3.3, 2.6, 1.9);
-/// Sine of the smallest angular radius of the sun in mirrors: a point would have no image there.
+/// Sine of the smallest angular radius of the sun in mirrors; as a point, the sun would have no image there.
 const HIGHLIGHT: f32 = 0.035;
 const HORIZON: Vec3 = Vec3::new(0.93, 0.42, 0.23);
 const MIDDLE: Vec3 = Vec3::new(0.09, 0.14, 0.38);
@@ -45,10 +45,10 @@ pub fn dusk(direction: Vec3) -> Vec3 {
     NIGHT.lerp(BLUE, (-2.2 * height).exp()) + GLOW * west * (-9.0 * height).exp()
 }
 
-/// The sun: a disk far away, so that shadows have a penumbra.
+/// The sun: a distant disk, so that shadows have a penumbra.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sun {
-    /// Direction toward the centre, of any length.
+    /// Direction toward the centre of the sun, of any length.
     pub towards: Vec3,
     /// Sine of the angular radius; 0 for a point.
     pub radius: f32,
@@ -58,13 +58,13 @@ impl Sun {
     /// A sun low behind the camera, large enough for soft shadows.
     pub const EVENING: Self = Self { towards: Vec3::new(-0.55, 0.52, -0.75), radius: 0.035 };
 
-    /// Returns the radiance of the sun in mirrors. It is kept far below the true radiance, which
-    /// would be noise at few samples per pixel.
+    /// Returns the radiance of the sun in mirrors. It is far below the true radiance, which would cause noise at few
+    /// samples per pixel.
     pub fn mirrored(&self, direction: Vec3) -> Vec3 {
         let cosine = direction.dot(self.towards.normalize());
         let radius = self.radius.max(HIGHLIGHT);
         let outside = (1.0 - cosine * cosine).max(0.0).sqrt() / radius;
-        // For the same light, a larger sun has a fainter disk.
+        // To give the same amount of light, a larger sun has a fainter disk.
         let share = (HIGHLIGHT / radius).powi(2);
         if cosine > 0.0 && outside < 1.0 { SUNLIGHT * 12.0 * share } else { Vec3::ZERO }
     }
@@ -79,7 +79,7 @@ impl Sun {
     }
 }
 
-/// Returns the irradiance from sky and ground together on a surface with this normal.
+/// Returns the irradiance from sky and ground together, on a surface with this normal.
 pub fn ambient(normal: Vec3) -> Vec3 {
     const FROM_ABOVE: Vec3 = Vec3::new(0.72, 0.72, 1.02);
     const FROM_BELOW: Vec3 = Vec3::new(0.42, 0.34, 0.32);

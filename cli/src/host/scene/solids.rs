@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3, Vec3A};
 
 /// Largest number of shapes in a leaf of the hierarchy.
 const LEAF: usize = 3;
-/// Largest depth of the hierarchy: the boxes on the stack while a ray descends it.
+/// Largest depth of the hierarchy, and so the largest number of boxes on the stack while a ray descends it.
 const DEPTH: usize = 64;
 
 /// Material of a solid as a function of the point and the normal of its surface.
@@ -18,18 +18,18 @@ pub enum Appearance {
     Painted(fn(Vec3, Vec3) -> Material),
 }
 
-/// A horizontal box, rotated about the vertical.
+/// A box with a horizontal base, rotated about the vertical.
 #[derive(Clone, Copy, Debug)]
 pub struct Block {
     /// Centre.
     pub centre: Vec3,
-    /// Half of width, height and depth.
+    /// Half of the width, the height and the depth.
     pub half: Vec3,
     /// Cosine and sine of the rotation.
     pub turn: Vec2,
 }
 
-/// A part of a surface of revolution about a vertical axis: the frustum of a cone, or a ring if its height is 0.
+/// A part of a surface of revolution about a vertical axis: the frustum of a cone, or a flat ring if the height is 0.
 #[derive(Clone, Copy, Debug)]
 pub struct Turned {
     /// Point of the axis at the lower end.
@@ -38,7 +38,7 @@ pub struct Turned {
     pub height: f32,
     /// Radii at the lower and the upper end.
     pub radii: [f32; 2],
-    /// Outward and upward components of the normal at both ends.
+    /// Outward and upward components of the normal, at the lower and the upper end.
     pub normals: [Vec2; 2],
 }
 
@@ -65,13 +65,13 @@ pub enum Form {
 }
 
 impl Block {
-    /// Rotates a vector into the box's own axes.
+    /// Rotates a vector from the scene's axes to the box's own axes.
     fn local(&self, v: Vec3) -> Vec3 {
         let Vec2 { x: cosine, y: sine } = self.turn;
         Vec3::new(cosine * v.x - sine * v.z, v.y, sine * v.x + cosine * v.z)
     }
 
-    /// Rotates a vector out of the box's own axes.
+    /// Rotates a vector from the box's own axes to the scene's axes.
     fn global(&self, v: Vec3) -> Vec3 {
         let Vec2 { x: cosine, y: sine } = self.turn;
         Vec3::new(cosine * v.x + sine * v.z, v.y, cosine * v.z - sine * v.x)
@@ -105,7 +105,7 @@ impl Shape for Rod {
         let axis = end - start;
         let length = axis.length();
         let axis = axis / length;
-        // The origin is moved near the rod, so that rounding does not lose a thin one far away.
+        // The origin is moved near the rod, so that rounding does not lose a thin rod far away.
         let shift = (0.5 * (start + end) - ray.origin).dot(ray.direction);
         let origin = ray.at(shift) - start;
         let (along, climb) = (origin.dot(axis), ray.direction.dot(axis));
@@ -179,7 +179,7 @@ impl Form {
         }
     }
 
-    /// Returns the lowest and the highest corner of a box around the shape.
+    /// Returns the lowest and the highest corner of a box that contains the shape.
     fn bounds(&self) -> [Vec3; 2] {
         match self {
             Self::Ball(ball) => [ball.centre - ball.radius, ball.centre + ball.radius],
@@ -196,7 +196,7 @@ impl Form {
             Self::Turned(turned) => {
                 let radius = turned.radii[0].max(turned.radii[1]);
                 let aside = Vec3::new(radius, 0.0, radius);
-                // A ring has no height, and rounding must not lose it.
+                // A ring has no height; without a margin, rounding could lose it.
                 let [below, above] = [Vec3::new(0.0, -0.01, 0.0), Vec3::new(0.0, turned.height + 0.01, 0.0)];
                 [turned.foot - aside + below, turned.foot + aside + above]
             }
@@ -204,8 +204,8 @@ impl Form {
     }
 }
 
-/// A box of the hierarchy: its corners, its shapes, and the index of the box of their second half; 0 for a leaf. The
-/// first half follows its parent.
+/// A box of the hierarchy: its corners, its shapes, and the index of the box of the second half of the shapes; 0 for
+/// a leaf. The box of the first half follows its parent.
 struct BvhNode {
     low: Vec3A,
     high: Vec3A,
@@ -233,15 +233,15 @@ impl FromIterator<(Form, Appearance)> for Solids {
     }
 }
 
-/// Returns the box around boxes.
+/// Returns the box that contains all these boxes.
 fn around(boxes: impl Iterator<Item = [Vec3; 2]>) -> [Vec3; 2] {
     boxes.fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[low, high], [a, b]| [low.min(a), high.max(b)])
 }
 
-/// Adds the boxes of these solids, the first of which has index `first`. The surface area heuristic splits them in the
-/// order of their centres along the best axis: it minimises the sum over both parts of the box's area times the number
-/// of solids (J. D. MacDonald and K. S. Booth, "Heuristics for Ray Tracing Using Space Subdivision", *The Visual
-/// Computer* 6(3), 1990).
+/// Adds the boxes of these solids, the first of which has index `first`. The solids are sorted by their centres along
+/// the best axis and split by the surface area heuristic, which minimises the sum over both parts of a box's area
+/// times its number of solids (J. D. MacDonald and K. S. Booth, "Heuristics for Ray Tracing Using Space Subdivision",
+/// *The Visual Computer* 6(3), 1990).
 fn build(solids: &mut [(Form, Appearance)], first: u32, nodes: &mut Vec<BvhNode>) {
     let [low, high] = around(solids.iter().map(|solid| solid.0.bounds()));
     let own = nodes.len();
@@ -292,7 +292,7 @@ struct BoxTestRay {
 }
 
 impl BoxTestRay {
-    /// Returns the distance at which the ray enters a box before `to`; infinity if it does not.
+    /// Returns the distance at which the ray enters a box, if it does so before `to`; otherwise infinity.
     #[inline(always)]
     fn enters(&self, node: &BvhNode, to: f32) -> f32 {
         let first = (node.low - self.origin) * self.inverse;
@@ -304,7 +304,8 @@ impl BoxTestRay {
 }
 
 impl Solids {
-    /// Returns the nearest solid that a ray meets beyond `from` and before `to`, and its material there.
+    /// Returns the intersection with the nearest solid that a ray meets beyond `from` and before `to`, and the
+    /// material there.
     pub fn nearest(&self, ray: &Ray, from: f32, to: f32) -> Option<(Hit, Material)> {
         let mut best: Option<(Hit, usize)> = None;
         self.descend(ray, from, to, |hit, index| {
@@ -330,7 +331,8 @@ impl Solids {
         is_hidden
     }
 
-    /// Visits the boxes along a ray; `found` receives each hit and returns the distance up to which the search goes on.
+    /// Visits the boxes along a ray; `found` receives each intersection and returns the distance up to which the
+    /// search continues.
     #[inline(always)]
     fn descend(&self, ray: &Ray, from: f32, mut to: f32, mut found: impl FnMut(Hit, usize) -> f32) {
         let line =
@@ -391,7 +393,7 @@ mod tests {
         Ray { origin, direction: (target - origin).normalize(), time: 0.5 }
     }
 
-    /// Returns numbers in [0, 1) without a visible pattern.
+    /// Returns a number in [0, 1); successive indices show no visible pattern.
     fn at(index: u16, step: f32) -> f32 {
         (f32::from(index) * step).fract()
     }
@@ -446,7 +448,8 @@ mod tests {
 
     #[test]
     fn normals_are_those_of_the_surface() {
-        // To first order, a surface's points next to a hit lie in the plane perpendicular to the reported normal.
+        // To first order, points of a surface next to an intersection lie in the plane perpendicular to the reported
+        // normal.
         const STEP: f32 = 0.02;
         for form in forms() {
             let [low, high] = form.bounds();
@@ -466,7 +469,7 @@ mod tests {
                     continue;
                 };
                 assert!((normal.length() - 1.0).abs() < 1e-4, "{form:?}");
-                // A turned part has no end faces, and its inside shows through the ends.
+                // A turned part has no end faces, so its inside is visible through the ends.
                 if matches!(form, Form::Turned(_)) && normal.dot(view_ray.direction) > 0.0 {
                     continue;
                 }

@@ -1,5 +1,5 @@
-//! A scene as a renderer sees it: the nearest surface that a ray intersects, and occlusion of the light. Lengths
-//! in millimetres, the lens's front vertex at the origin, +z into the scene, +x to the right, +y up.
+//! A scene as a renderer sees it: the nearest surface that a ray intersects, and occlusion of the light. Lengths are
+//! in millimetres; the origin is the lens's front vertex, with +z into the scene, +x to the right and +y up.
 
 use super::effects::{Effect, Effects};
 use super::objects::{Ball, Board, FLOOR, Finish, Lamps, Material, Pane};
@@ -13,7 +13,7 @@ use std::sync::Arc;
 /// The illumination of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Light {
-    /// Sun and sky, through air; lamps are visible but light nothing.
+    /// Sun and sky, through air; lamps are visible but do not light anything.
     Day,
     /// The lamps, in the dark.
     Lamps,
@@ -28,7 +28,7 @@ pub struct Scene {
     pub floor: fn(Vec3) -> Material,
     /// Roughness of the floor.
     pub floor_roughness: f32,
-    /// Balls, which alone may move.
+    /// Balls, the only objects that may move.
     pub balls: Vec<Ball>,
     /// Boards.
     pub boards: Vec<Board>,
@@ -40,15 +40,15 @@ pub struct Scene {
     pub panes: Vec<Pane>,
     /// Illumination.
     pub light: Light,
-    /// The sun, by day.
+    /// The sun, for a scene by day.
     pub sun: Sun,
     /// Pose of the camera.
     pub pose: Pose,
-    /// Distance from the camera of the default subject for a lens of this focal length and film diagonal.
+    /// Distance from the camera to the default subject, for a lens of this focal length and film diagonal.
     pub subject: fn(f64, f64) -> f32,
 }
 
-/// A surface outside the hierarchy of solids that a ray meets.
+/// A surface that a ray meets and that is not in the hierarchy of solids.
 #[derive(Clone, Copy)]
 enum Met<'a> {
     Floor,
@@ -57,8 +57,8 @@ enum Met<'a> {
 }
 
 impl Scene {
-    /// Returns the scene with these effects alone: without an effect, reflectors or glass are polished, the sun
-    /// is a point, or the balls rest. (Depth of field is the camera's.)
+    /// Returns the scene with only these effects. Without the corresponding effect, reflectors or glass are polished,
+    /// the sun is a point, or the balls are at rest. (Depth of field is the camera's task.)
     pub fn with(mut self, effects: &Effects) -> Self {
         let balls = self.balls.iter_mut().map(|ball| &mut ball.material);
         for material in balls.chain(self.boards.iter_mut().map(|board| &mut board.material)) {
@@ -82,12 +82,12 @@ impl Scene {
         self
     }
 
-    /// Returns the scene with its camera moved back along its axis, mm.
+    /// Returns the scene with its camera moved back along the camera's axis by `distance`, mm.
     pub fn moved_back(&self, distance: f32) -> Self {
         Self { pose: moved_back(&self.pose, distance), ..self.clone() }
     }
 
-    /// Returns the nearest surface that a ray intersects beyond `from`, a lamp's or another.
+    /// Returns the nearest surface that a ray intersects beyond `from`, lamps included.
     pub fn nearest(&self, ray: &Ray, from: f32) -> Option<(Hit, Material)> {
         let mut best = self.nearest_surface(ray, from);
         let lamps = self.lamps.iter().filter(|group| group.bounds.intersects(ray));
@@ -102,7 +102,7 @@ impl Scene {
 
     /// Returns the nearest surface that a ray intersects beyond `from`, without lamps.
     pub fn nearest_surface(&self, ray: &Ray, from: f32) -> Option<(Hit, Material)> {
-        // The material is evaluated for the nearest surface alone: the floor's pattern takes longer than its
+        // The material is evaluated only for the nearest surface: the floor's pattern takes longer than the floor's
         // intersection.
         let mut best: Option<(Hit, Met)> = None;
         let mut nearer = |shape: &dyn Shape, met| {
@@ -139,7 +139,7 @@ impl Scene {
             || self.boards.iter().any(|board| hides(&board.panel))
     }
 
-    /// Returns the share of the light from far away that is transmitted along a ray.
+    /// Returns the share of the light of a distant source that is transmitted along a ray.
     pub fn light_through(&self, ray: &Ray, from: f32) -> f32 {
         let blocks = |shape: &dyn Shape| shape.intersect(ray, from, f32::INFINITY).is_some();
         let through = |material: &Material| match material.finish {
@@ -152,7 +152,7 @@ impl Scene {
         boards.chain(balls).map(through).product()
     }
 
-    /// Returns the share of the sky over a point that the balls do not cover at a time.
+    /// Returns the share of the sky above a point that no ball covers at a given time.
     pub fn open_sky(&self, point: Vec3, normal: Vec3, time: f32) -> f32 {
         let free = |ball: &Ball| {
             let towards = ball.shape.centre_at(time) - point;

@@ -1,5 +1,4 @@
-//! Autofocus on the host's side: the plugin requests distances in the scene, or the contrast of trial
-//! pictures.
+//! The host's side of autofocus: the plugin requests distances in the scene, or the contrast of trial pictures.
 
 use crate::host::plugin::{self, Plugin, PluginError, Warn};
 use crate::host::render::{Settings, render};
@@ -41,7 +40,7 @@ impl Autofocus<'_> {
     /// Returns the film distance, mm, that focuses the zones, given as left, top, width and height.
     ///
     /// # Errors
-    /// The plugin's error: nothing to focus on, or a zone outside the picture.
+    /// The plugin's error: there is nothing to focus on, or a zone lies outside the picture.
     pub fn film_distance(
         &self,
         zones: &[[f32; 4]],
@@ -89,12 +88,13 @@ impl Autofocus<'_> {
         self.scene.nearest(&ray, 0.0).map_or(f64::INFINITY, |(hit, _)| f64::from(hit.distance / mm))
     }
 
-    /// Returns the mean square difference of neighbouring pixels' brightness, relative to the mean,
-    /// in small pictures of the zone. The differences are products of those of two pictures with
-    /// independent noise: the noise cancels, so a blurred trial with few rays gains nothing from it.
+    /// Returns the mean square difference between the brightness of neighbouring pixels, relative to the mean
+    /// brightness, in small pictures of the zone. Each squared difference is the product of the differences in two
+    /// pictures with independent noise. The noise then cancels, so a blurred trial picture with few rays gains
+    /// nothing from it.
     fn contrast(&self, camera: *const realistic_camera, zone: &realistic_zone) -> Result<f64, PluginError> {
         const RAYS: u32 = 16_384;
-        /// Largest contrast that the eye sees as even.
+        /// Largest contrast that still looks even to the eye.
         const VISIBLE: f64 = 0.01;
         let corner = [zone.left, zone.top].map(|side| side as u32);
         let end = [zone.right, zone.bottom].map(|side| side.ceil() as u32);
@@ -122,13 +122,13 @@ impl Autofocus<'_> {
     }
 }
 
-/// Returns the square root of the luminance, which keeps a lamp from dominating.
+/// Returns the square root of the luminance of every pixel, so that a lamp does not dominate.
 fn brightness(picture: &Picture) -> Vec<f64> {
     let light = |[r, g, b]: &[f32; 3]| f64::from((0.2126 * r + 0.7152 * g + 0.0722 * b).max(0.0).sqrt());
     picture.pixels.iter().map(light).collect()
 }
 
-/// The plugin's camera during a callback.
+/// The camera that the plugin passes to a callback.
 struct Trial<'a> {
     plugin: &'a Plugin,
     camera: *const realistic_camera,
@@ -154,6 +154,6 @@ unsafe extern "C" fn contrast(
     camera: *const realistic_camera,
     zone: *const realistic_zone,
 ) -> f64 {
-    // SAFETY: as above, with a camera and a zone.
+    // SAFETY: as above, but the plugin passes a camera and a zone.
     unsafe { (*user.cast::<Autofocus<'_>>()).contrast(camera, &*zone) }.unwrap_or(f64::NAN)
 }

@@ -1,4 +1,5 @@
-//! Focusing on an object in the scene, and metering, by rays alone: like a photographer through the lens.
+//! Focusing on an object in the scene, and metering, with the camera's rays only: like a photographer who looks
+//! through the lens.
 
 use crate::host::plugin::{Camera, Plugin, PluginError, Warn};
 use crate::host::scene::{LEVEL, Scene};
@@ -7,12 +8,12 @@ use realistic_camera::{Model, Parameters};
 use realistic_lab::render::Rays;
 use std::sync::Arc;
 
-/// Distance, mm, beyond which a lens is not moved back: a kilometre.
+/// Largest distance, mm, by which a lens is moved back: a kilometre.
 const FARTHEST: f32 = 1e6;
 
-/// Builds the camera, focused on the scene's subject unless the parameters give a focus; from a donor, if there is one.
-/// A lens that cannot focus so near is moved back by doubling the distance until it can. Also returns the displacement,
-/// mm.
+/// Builds the camera, from a donor if there is one, and focuses it on the scene's subject unless the parameters give
+/// a focus. A lens that cannot focus so near is moved back by doubling the distance until it can. Also returns the
+/// displacement, mm.
 ///
 /// # Errors
 /// The plugin reports an error.
@@ -31,7 +32,7 @@ pub fn build(
     if parameters.focus_distance.is_some() || parameters.film_distance.is_some() {
         return Ok((Camera::new(plugin, donor, &parameters, size, &scene.pose, warn)?, 0.0));
     }
-    // Rays of ghosts do not meet in the image.
+    // Rays of ghosts do not meet at the image.
     let trial = Parameters { ghosts: None, ..parameters.clone() };
     let unfocused = Camera::new(plugin, None, &trial, size, &LEVEL, &|_| ())?;
     let info = unfocused.info()?;
@@ -54,10 +55,10 @@ pub fn build(
     Ok((Camera::new(plugin, Some(donor), &parameters, size, &pose, warn)?, back))
 }
 
-/// Returns the focus distance that focuses a subject at this distance before the lens, mm, in world units; `None` for a
-/// camera without focus. Also returns the last camera tried. A focus distance is measured from the film, which moves
-/// with it and lies behind a lens of unknown length. The function therefore finds the point where the rays of a focused
-/// camera meet, and corrects by the difference.
+/// Returns the focus distance, in world units, that focuses a subject at this distance in front of the lens, mm;
+/// `None` for a camera without focus. Also returns the last camera tried. A focus distance is measured from the film,
+/// which moves with the focus and lies behind a lens of unknown length. The function therefore finds the point where
+/// the rays of a focused camera meet, and corrects the focus distance by the difference.
 fn focus_distance(
     plugin: &Arc<Plugin>,
     unfocused: &Camera,
@@ -83,10 +84,10 @@ fn focus_distance(
     Ok((Some(distance / mm), last))
 }
 
-/// Returns the screen window, world units, in which an orthographic camera sees as much as a 40 mm lens sees at the
-/// scene's subject.
+/// Returns the screen window, in world units, for which an orthographic camera sees as much as a 40 mm lens sees at
+/// the scene's subject.
 fn window(parameters: &Parameters, [width, height]: [u32; 2], scene: &Scene) -> [f64; 4] {
-    /// Half the shorter side of 24 x 36 mm over the focal length.
+    /// Half of the shorter side of 24 x 36 mm, divided by the focal length.
     const TANGENT: f64 = 12.0 / 40.0;
     let subject = f64::from((scene.subject)(40.0, 43.3));
     let half = TANGENT * subject / parameters.mm_per_unit.unwrap_or(1.0);
@@ -123,13 +124,13 @@ impl AxialRays {
         Ok(Self { rays, weights })
     }
 
-    /// Returns the mean weight: the film's irradiance for a scene of radiance 1.
+    /// Returns the mean weight, which is the film's irradiance for a scene of radiance 1.
     pub fn mean_weight(&self) -> f32 {
         self.weights.iter().sum::<f32>() / self.weights.len() as f32
     }
 
-    /// Returns the z, world units, at which the rays' spot is smallest as seen from the lens; `None` if all rays start
-    /// at one point. The fit is linear in 1/z, so it stays accurate far away.
+    /// Returns the z, in world units, at which the rays' spot as seen from the lens is smallest; `None` if all rays
+    /// start at one point. The fit is linear in 1/z, so it stays accurate for distant points.
     fn meeting(&self) -> Option<f64> {
         let (mut size, mut turn) = (0.0, 0.0);
         for (ray, weight) in self.rays.iter().zip(&self.weights) {

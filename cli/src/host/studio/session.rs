@@ -1,5 +1,5 @@
-//! The session of every command that takes pictures: options give a loaded plugin, parameters and threads; these and a
-//! scene give a picture.
+//! The session of every command that takes pictures. Options determine a loaded plugin, parameters and threads;
+//! together with a scene, these determine a picture.
 
 use super::autofocus::{Autofocus, Method};
 use super::focus::{self, AxialRays};
@@ -64,7 +64,7 @@ pub struct Studio {
     pub plugin: Arc<Plugin>,
     /// Camera parameters given by the user.
     pub parameters: Parameters,
-    /// Whether the lens has an index for each wavelength; `None` if only the plugin finds the lens.
+    /// Whether the lens has an index for each wavelength; `None` if only the plugin can find the lens.
     pub is_dispersive: Option<bool>,
     /// Width and height of a picture in pixels.
     pub size: [u32; 2],
@@ -80,15 +80,17 @@ pub struct Studio {
 pub struct ShotOptions {
     /// Samples per pixel.
     pub spp: u32,
-    /// Wavelengths, each with its own samples, that make the picture; `None` for the lens's own alone.
+    /// Number of wavelengths that make up the picture, each with its own samples; `None` for only the lens's own
+    /// wavelength.
     pub wavelengths: Option<u32>,
-    /// Width and height of the picture, which the parameter `crop` may cut; `None` for the session's.
+    /// Width and height of the picture before the parameter `crop` cuts it; `None` for the session's.
     pub whole: Option<[u32; 2]>,
     /// Start of light paths.
     pub integrator: Integrator,
     /// Reconstruction filter.
     pub filter: Filter,
-    /// Seed for measuring noise, instead of the session's: only the parts of the picture needed for that are rendered.
+    /// Seed for a measurement of noise, in place of the session's; only the parts of the picture needed for it are
+    /// rendered.
     pub probe: Option<u64>,
 }
 
@@ -100,10 +102,10 @@ impl ShotOptions {
     }
 }
 
-/// Number of tiles for each one that measures the noise: a prime, so that they are spread over the picture.
+/// Number of tiles of which one measures the noise: a prime, so that the measured tiles are spread over the picture.
 const PROBED: u32 = 37;
 
-/// A picture taken.
+/// A finished picture.
 pub struct Shot {
     /// The camera at the lens's own wavelength.
     pub camera: Camera,
@@ -113,19 +115,19 @@ pub struct Shot {
     pub tone: Tone,
     /// Tally of the rays.
     pub tally: Tally,
-    /// Time taken.
+    /// Time that the picture took.
     pub took: Duration,
 }
 
-/// Bytes per pixel in rendering and writing: in tiles, in the whole, in the filter, and in a file.
+/// Bytes per pixel during rendering and writing: in the tiles, in the whole picture, in the filter, and in a file.
 const PER_PIXEL: u64 = 80;
 
 impl Studio {
-    /// Loads the plugin and reads the parameters. The lens is the default one unless given, and the film that of its
-    /// own image.
+    /// Loads the plugin and reads the parameters. Unless given, the lens is the default one, and the film is that of
+    /// the lens's own image.
     ///
     /// # Errors
-    /// Bad parameters, or no plugin.
+    /// The parameters are invalid, or there is no plugin.
     pub fn open(camera: &CameraChoice, options: &Options) -> Result<Self, Failure> {
         let mut parameters = camera.parameters()?;
         let is_dispersive = examine_lens(&mut parameters)?;
@@ -146,12 +148,12 @@ impl Studio {
         })
     }
 
-    /// Prints a warning once, because several pictures may cause the same.
+    /// Prints a warning only once, because several pictures may cause the same one.
     pub fn warn(&self, message: &str) {
         self.once(message, console::warn);
     }
 
-    /// Prints a note once.
+    /// Prints a note only once.
     fn note(&self, message: &str) {
         self.once(message, console::note);
     }
@@ -175,7 +177,7 @@ impl Studio {
         self.pool.current_num_threads()
     }
 
-    /// Returns the film distance, mm, that focuses zones of the picture, each left, top, width and height.
+    /// Returns the film distance, mm, that focuses zones of the picture, each given as left, top, width and height.
     ///
     /// # Errors
     /// The plugin's error.
@@ -192,7 +194,8 @@ impl Studio {
         Ok(autofocus.film_distance(zones, rule, method, &|message| self.warn(message))?)
     }
 
-    /// Takes a picture with the camera of these parameters, focused on the scene's subject unless they give a focus.
+    /// Takes a picture with the camera of these parameters, focused on the scene's subject unless the parameters give
+    /// a focus.
     ///
     /// # Errors
     /// The plugin's error.
@@ -205,8 +208,8 @@ impl Studio {
         self.take_after(None, parameters, scene, options)
     }
 
-    /// Measures the noise of a picture from parts of two pictures: the RMS of a pixel's error over the mean of all,
-    /// both in linear light as displayed. Also returns the second picture.
+    /// Measures the noise of a picture from parts of two pictures: the RMS error of a pixel divided by the mean of
+    /// all pixels, both in linear light as displayed. Also returns the second picture.
     ///
     /// # Errors
     /// The plugin's error.
@@ -228,8 +231,8 @@ impl Studio {
         Ok((noise / mean, shot))
     }
 
-    /// Takes a picture as [`Studio::take`] does, after another one, whose camera's lens need not be read and set up
-    /// again.
+    /// Takes a picture as [`Studio::take`] does. After another picture, whose camera is `before`, the lens need not
+    /// be read and set up again.
     ///
     /// # Errors
     /// The plugin's error.
@@ -332,7 +335,7 @@ impl Studio {
     }
 }
 
-/// Whether lamps are connected to a camera: at dusk, if it has importance.
+/// Whether lamps are connected to a camera: in scenes at dusk, if the camera has importance.
 fn are_lamps_joined(scene: &Scene, camera: &Camera) -> bool {
     let mut scene_points = ScenePoints::default();
     scene_points.push([0.0, 0.0, 1000.0], [0.5; 2], 0.5);
@@ -340,7 +343,7 @@ fn are_lamps_joined(scene: &Scene, camera: &Camera) -> bool {
     scene.light == Light::Dusk && has_importance()
 }
 
-/// Checks that paths from the lamps can show all of a scene.
+/// Checks that paths from the lamps can show everything in a scene.
 fn is_lamplit(parameters: &Parameters, scene: &Scene, options: &ShotOptions) -> Result<(), Failure> {
     let what = if scene.light != Light::Lamps {
         "sun and sky, which have no place to begin paths at; give --scene night".to_owned()
@@ -356,7 +359,8 @@ fn is_lamplit(parameters: &Parameters, scene: &Scene, options: &ShotOptions) -> 
     Err(Failure::Usage(format!("--integrator light cannot render this scene: it has {what}")))
 }
 
-/// Returns the parameters of the camera at another wavelength, with the film in focus for its own.
+/// Returns the parameters of the camera at another wavelength, with the film where the camera's own wavelength is in
+/// focus.
 fn at_wavelength(parameters: &Parameters, camera: &Camera, wavelength: f64) -> Result<Parameters, Failure> {
     let film_distance = Some(camera.info()?.film_distance);
     let wavelength = Some(wavelength);
@@ -384,7 +388,7 @@ pub fn stopped_down(parameters: &Parameters, effects: &Effects) -> Result<Parame
     Ok(parameters)
 }
 
-/// Rejects a crop for pictures of a sheet.
+/// Rejects a crop, for pictures that go on a sheet.
 ///
 /// # Errors
 /// The user gives a crop.
@@ -405,7 +409,7 @@ fn white_level(camera: &Camera, parameters: &Parameters, size: [u32; 2]) -> Resu
     }
     let info = camera.info()?;
     let radiometric = parameters.weighting() == Ok(Weighting::Radiometric);
-    // The level comes from the lens's own f-number, not from metering, so that the lens's losses show.
+    // The level comes from the f-number and not from metering, so that losses in the lens are visible.
     if radiometric && info.fnumber > 0.0 && info.fnumber.is_finite() {
         let fnumber = info.fnumber as f32;
         return Ok(std::f32::consts::FRAC_PI_4 / (fnumber * fnumber));
@@ -414,11 +418,11 @@ fn white_level(camera: &Camera, parameters: &Parameters, size: [u32; 2]) -> Resu
     Ok(if metered > 0.0 { metered } else { 1.0 })
 }
 
-/// Examines the lens before rendering: sizes the film to its image, and returns whether it has dispersion. Returns
-/// `None` without a lens, and if only the plugin finds it.
+/// Examines the lens before rendering: sizes the film to the lens's image, and returns whether the lens has
+/// dispersion. Returns `None` if no lens is given or if only the plugin can find it.
 ///
 /// # Errors
-/// A piped text that is not a lens, or parameters that contradict each other.
+/// A piped text is not a lens, or parameters contradict each other.
 fn examine_lens(parameters: &mut Parameters) -> Result<Option<bool>, Failure> {
     let mut own = parameters.clone();
     let host = host(&mut own, Raster { xres: 1, yres: 1 })?;
@@ -434,9 +438,9 @@ fn examine_lens(parameters: &mut Parameters) -> Result<Option<bool>, Failure> {
         .and_then(|(prescription, lens)| film_distance(&own, &lens).map(|_| prescription.is_dispersive()));
     match examined {
         Ok(is_dispersive) => Ok(Some(is_dispersive)),
-        // The error is reported here, because only here the lens has the name that the user gave.
+        // The error is reported here, because only here does the lens have the name that the user gave.
         Err(error) if is_piped || matches!(error, CameraError::Parameter(_)) => Err(error.into()),
-        // The plugin also finds files beside itself, and decides.
+        // The plugin also searches for files beside itself, so the decision is left to it.
         Err(_) => Ok(None),
     }
 }

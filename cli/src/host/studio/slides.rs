@@ -1,5 +1,5 @@
-//! The lecture's slides: for each effect a small scene, rendered without it, with few samples, and with many (after
-//! R. L. Cook, T. Porter and L. Carpenter, "Distributed Ray Tracing", 1984).
+//! The lecture's slides: for each effect, a small scene that is rendered without the effect, with few samples, and
+//! with many (after R. L. Cook, T. Porter and L. Carpenter, "Distributed Ray Tracing", 1984).
 
 use super::session::{ShotOptions, Studio, stopped_down, whole_only};
 use crate::failure::Failure;
@@ -32,9 +32,9 @@ pub enum Slide {
     Lamps,
 }
 
-/// Samples per pixel with visible noise.
+/// Number of samples per pixel that leaves visible noise.
 const FEW: u32 = 4;
-/// Samples per pixel without visible noise.
+/// Number of samples per pixel that leaves no visible noise.
 const MANY: u32 = 64;
 
 /// One picture of a slide.
@@ -42,9 +42,9 @@ struct SlidePanel {
     label: String,
     effects: Effects,
     options: ShotOptions,
-    /// Camera parameters of this picture, which the user may not give.
+    /// Camera parameters of this picture; the user may not give the same parameters.
     parameters: Vec<(&'static str, String)>,
-    /// Factor on the default exposure.
+    /// Factor that multiplies the default exposure.
     exposure: f32,
 }
 
@@ -62,7 +62,7 @@ impl SlidePanel {
 }
 
 impl Slide {
-    /// Takes the slide's pictures and puts them on one sheet, in values for the screen, with a line of text for each.
+    /// Takes the slide's pictures and puts them on one sheet, in values for the screen, each with a line of text.
     ///
     /// # Errors
     /// The user gives a parameter that the slide sets, or the camera reports an error.
@@ -110,10 +110,10 @@ impl Slide {
         Ok((sheet.into_picture(), text))
     }
 
-    /// Returns the scene and its pictures, with up to `many` samples per pixel.
+    /// Returns the scene and its panels, with up to `many` samples per pixel.
     fn panels(self, many: u32, size: [u32; 2]) -> (Scene, Vec<SlidePanel>) {
         match self {
-            // The image of a large lamp in rough metal has less noise than that of a point.
+            // The image of a large lamp in rough metal has less noise than the image of a point.
             Self::Gloss => (gloss::scene(), three(&[SoftShadow], &[Gloss, SoftShadow], many)),
             Self::Translucency => (translucency::scene(), three(&[], &[Translucency], many)),
             Self::SoftShadow => (soft_shadow::scene(), three(&[], &[SoftShadow], many)),
@@ -126,14 +126,14 @@ impl Slide {
     }
 }
 
-/// Returns one panel without the effect, and two with it, by few and by many samples.
+/// Returns one panel without the effect, and two panels with it, one with few and one with many samples.
 fn three(off: &[Effect], shown: &[Effect], many: u32) -> Vec<SlidePanel> {
     let on = |spp: u32| SlidePanel::new(format!("{spp} samples"), shown, spp);
     vec![SlidePanel::new("off", off, many), on(FEW.min(many)), on(many)]
 }
 
-/// Returns the four lenses of Kolb's figure 6, from one position: a telephoto, a wide-angle lens, a double Gauss and a
-/// fisheye, scaled to its focal lengths.
+/// Returns panels for the four lenses of Kolb's figure 6, from one position: a telephoto lens, a wide-angle lens, a
+/// double Gauss and a fisheye, scaled to the focal lengths in that figure.
 fn lenses(spp: u32) -> Vec<SlidePanel> {
     let lens = |label: &str, name: &str, diagonal: f64| {
         SlidePanel::new(label, &[SoftShadow, Dof], spp).set("lens_file", name).set("film_diagonal", diagonal)
@@ -146,8 +146,8 @@ fn lenses(spp: u32) -> Vec<SlidePanel> {
     ]
 }
 
-/// Returns the night scene by paths from both ends. A path from a lamp is connected to the camera up to three times,
-/// and takes about as long as `AS_LONG` paths from the camera.
+/// Returns panels of the night scene, by paths from the camera and by paths from the lamps. A path from a lamp is
+/// connected to the camera up to three times, and takes about as long as `AS_LONG` paths from the camera.
 fn lamps(many: u32) -> Vec<SlidePanel> {
     const AS_LONG: u32 = 2;
     let panel = |integrator: Integrator, name: &str, spp: u32| {
@@ -161,9 +161,9 @@ fn lamps(many: u32) -> Vec<SlidePanel> {
     ]
 }
 
-/// Returns the corner of a large picture, by one wavelength and by several.
+/// Returns panels of the corner of a large picture, rendered with one wavelength and with several.
 fn colours(many: u32, size: [u32; 2]) -> Vec<SlidePanel> {
-    /// Size of the whole picture over that of the panel.
+    /// Ratio of the size of the whole picture to that of the panel.
     const ZOOM: u32 = 16;
     let panel = |label: &str, wavelengths: Option<u32>| {
         let spp = (2 * many / wavelengths.unwrap_or(1)).clamp(1, many);

@@ -1,5 +1,5 @@
-//! `realistic blender`: the text of the shader, compiled as C++, against exact rays in double precision. OSL is so
-//! close to C that a few replacements convert it; the arithmetic stays in single precision.
+//! `realistic blender`: compares the text of the shader, compiled as C++, with exact rays in double precision. OSL is
+//! so close to C that a few replacements convert it; the arithmetic remains in single precision.
 
 use realistic_camera::sampling::PupilDisk;
 use realistic_camera::{FocusBy, Host, Parameters, Raster, Zoom, group_reach, open_lens};
@@ -29,14 +29,14 @@ fn translated(text: &str) -> String {
     let (functions, body) = text.split_once("shader realistic_camera(").expect("a shader");
     let mut parameters = String::new();
     let mut rest = body;
-    // Blender's panel needs the metadata, the test does not.
+    // Blender's panel needs the metadata, but the test does not.
     while let Some((before, after)) = rest.split_once("[[") {
         parameters += before;
         rest = after.split_once("]]").expect("closed").1;
     }
     let (last, body) = rest.split_once(")\n{").expect("a body");
     parameters += last;
-    // The zoom is the program's argument, so that one program serves all focal lengths.
+    // The zoom is an argument of the program, so that one program serves all focal lengths.
     let declare = |parameter: &str| {
         let parameter = parameter.trim().trim_start_matches("output ");
         let parameter = parameter.strip_prefix("float zoom = ").map_or_else(
@@ -46,7 +46,7 @@ fn translated(text: &str) -> String {
         format!("    {parameter};\n")
     };
     let declared: Vec<String> = parameters.split(',').map(declare).collect();
-    // The variables that move follow these.
+    // The variables that move follow these eight values.
     let recorded = "template <class... Moved> static int recorded(float stop, float nm, float &x, float &y, float &z, float &vx,\n\
          float &vy, float &vz, Moved &&...moved) {\n\
          float now[8] = {1, stop, nm, x, y, vx, vy, vz};\n\
@@ -59,7 +59,7 @@ fn translated(text: &str) -> String {
          for (int i = 0; i < 9; i++) out[i] = all[i];\n";
     let functions =
         single(&functions.replace("output float ", "float &").replace("output vector ", "vector &"));
-    // A jump must not skip a declaration with a value, so the body is a separate function.
+    // A jump must not skip a declaration with an initial value, so the body is a separate function.
     let body = body.replace("goto done;", "return;");
     let arguments: Vec<&str> = declared
         .iter()
@@ -82,7 +82,7 @@ fn translated(text: &str) -> String {
     )
 }
 
-/// Converts C++ to floating-point literals in single precision.
+/// Converts the floating-point literals of C++ to single precision.
 fn single(text: &str) -> String {
     let mut out = String::new();
     let mut number = String::new();
@@ -107,8 +107,8 @@ fn single(text: &str) -> String {
     out
 }
 
-/// Returns the output of `realistic blender` for a lens and further arguments, and the program compiled from it as C++.
-/// All tests share the result, because a zoom's takes seconds.
+/// Returns the output of `realistic blender` for a lens and further arguments, and the path of the program compiled
+/// from it as C++. All tests share the results, because the shader of a zoom lens takes seconds.
 fn made(lens: &str, more: &[&str]) -> Arc<(String, PathBuf)> {
     type Made = Arc<OnceLock<Arc<(String, PathBuf)>>>;
     static ALL: Mutex<BTreeMap<String, Made>> = Mutex::new(BTreeMap::new());
@@ -121,8 +121,8 @@ fn made(lens: &str, more: &[&str]) -> Arc<(String, PathBuf)> {
     }))
 }
 
-/// Compiles C++ to a program in Cargo's directory for the tests' own files. Its name is a hash of all its inputs, so an
-/// existing program is reused.
+/// Compiles C++ to a program in Cargo's directory for temporary files of tests. The program's name is a hash of all
+/// inputs, so an existing program is reused.
 fn compiled(text: &str) -> PathBuf {
     const FLAGS: [&str; 3] = ["-std=c++11", "-O1", "-ffp-contract=off"];
     let compiler = env::var_os("CXX").unwrap_or_else(|| "c++".into());
@@ -140,7 +140,7 @@ fn compiled(text: &str) -> PathBuf {
     command.args(FLAGS).arg(&source).arg("-o").arg(&fresh);
     let output = command.output().expect("a C++ compiler: name it in CXX");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    // Another process may do this at the same time.
+    // Another process may compile the same program at the same time.
     std::fs::rename(fresh, &program).expect("renamed");
     program
 }
@@ -148,14 +148,15 @@ fn compiled(text: &str) -> PathBuf {
 /// A compiled shader.
 struct Shader {
     program: PathBuf,
-    /// Focal length, mm, if not the shader's own.
+    /// Focal length, mm; `None` for the shader's own.
     zoom: Option<f64>,
     /// Distance from the axis up to which film points get light, mm.
     reach: f64,
     focuses_by_groups: bool,
 }
 
-/// A sample: raster, lens sample, aperture size (1/(2 N)), focus distance in m, sensor in mm, wavelength's number.
+/// A sample: raster, lens sample, aperture size (1/(2 N)), focus distance in m, sensor size in mm, and number of the
+/// wavelength.
 type Sample = [f32; 9];
 
 /// The result of a sample.
@@ -165,8 +166,8 @@ struct Answer {
     /// Position, mm.
     position: [f64; 3],
     direction: [f64; 3],
-    /// Whether the pupil gave a ray to trace; then its stop, wavelength, and x, y and direction on the rear vertex
-    /// plane.
+    /// Whether the pupil gave a ray to trace. If so, the following fields are the ray's stop, and its x, y and
+    /// direction on the rear vertex plane.
     is_traced: bool,
     stop: f64,
     start: [f64; 2],
@@ -214,7 +215,7 @@ impl Shader {
     }
 }
 
-/// Returns the points of Korobov's rank-1 lattice with these generators, evenly spread over a cube.
+/// Returns the points of Korobov's rank-1 lattice with these generators, which are evenly spread over a cube.
 fn points<const N: usize>(count: usize) -> impl Iterator<Item = [f32; N]> {
     const GENERATORS: [f64; 4] =
         [0.819_172_513_396_164_4, 0.671_043_606_703_789_2, 0.549_700_477_901_997_5, 0.450_301_4];
@@ -233,8 +234,8 @@ fn lens_of(name: &str) -> Lens {
     Lens::at_d_line(&catalogue::find(name).expect("listed"))
 }
 
-/// Returns the lens focused by its groups at a distance in m from its front vertex; 0 is infinity. The library measures
-/// distances from the film.
+/// Returns the lens with its groups focused at a distance, m from the front vertex; 0 stands for infinity. The
+/// library measures distances from the film.
 fn focused(name: &str, zoom: Option<f64>, distance: f32) -> Lens {
     let host = Host::new(Raster { xres: 1, yres: 1 }, None);
     let mut parameters = Parameters {
@@ -244,10 +245,10 @@ fn focused(name: &str, zoom: Option<f64>, distance: f32) -> Lens {
         ..Parameters::default()
     };
     let mut length = 0.0;
-    // Each round leaves a sixth of the error at near distances.
+    // Each round leaves a sixth of the previous error at near distances.
     for _ in 0..16 {
         let from_film = if distance > 0.0 { 1000.0 * f64::from(distance) + length } else { f64::INFINITY };
-        // A distance slightly nearer than the limit is replaced by the limit.
+        // A distance slightly nearer than the limit is replaced by the limit itself.
         let reach = group_reach(&parameters, &host).expect("it focuses");
         parameters.focus_distance = Some(from_film.max(reach[0].object_distance * (1.0 + 1e-9)));
         let (prescription, lens) = open_lens(&parameters, &host, &mut |_, _| ()).expect("in reach");
@@ -259,7 +260,7 @@ fn focused(name: &str, zoom: Option<f64>, distance: f32) -> Lens {
     open_lens(&parameters, &host, &mut |_, _| ()).expect("in reach").1
 }
 
-/// Errors of directions (radians) and of the points where the ray comes nearest (mm), and counts.
+/// Errors of directions, radians, errors of the points where the ray comes nearest, mm, and counts.
 #[derive(Debug, Default)]
 struct Comparison {
     directions: Vec<f64>,
@@ -282,7 +283,7 @@ impl Comparison {
                 path = Some((answer.stop, Path::film_to_scene(&lens)));
             }
             let (_, path) = path.as_ref().expect("made");
-            // The exact ray starts far enough behind the last vertex.
+            // The exact ray starts behind the whole rear surface.
             let ([x, y], [vx, vy, vz]) = (answer.start, answer.heading);
             let back = 2.0 * lens.rear().semi_diameter;
             let origin = [x - back * vx / vz, y - back * vy / vz, lens.rear().vertex - back];
@@ -309,9 +310,10 @@ impl Comparison {
     }
 }
 
-/// Returns cameras with full frame, wide open, at the far and the near end of focusing; then stopped down.
+/// Returns cameras with a full-frame sensor: wide open, at the far and the near end of the focus range, then stopped
+/// down.
 fn cameras() -> [[f32; 2]; 4] {
-    // Aperture size 1/(2 N), distance in m.
+    // Each row has the aperture size 1/(2 N) and the distance in m.
     [[0.0, 0.0], [0.0, 0.0001], [1.0 / 11.2, 2.0], [1.0 / 32.0, 0.0]]
 }
 
@@ -349,7 +351,7 @@ fn a_shaders_zoom_is_right_at_any_focal_length() {
     let groups = MovingGroups::of(&prescription).expect("positions");
     let facts = facts(&made(name, &[]).0);
     assert!((facts["focal_lengths_mm"][0].as_f64().unwrap() - groups.focal_range()[0]).abs() < 1e-9);
-    // The range's ends, a position of the file, and focal lengths that are not in the table.
+    // The ends of the range, a position of the file, and focal lengths that are not in the table.
     for focal_length in [24.701, 28.0, 31.7, 34.93, 43.2, 50.0, 61.0, 67.87] {
         shader.zoom = Some(focal_length);
         let travel = groups.zoomed(focal_length, |_, _| None).expect("in range");
@@ -364,7 +366,7 @@ fn a_shaders_zoom_is_right_at_any_focal_length() {
                 found.fates_differ
             );
             println!("{figures}");
-            // Groups are within a few micrometres of the lens's own positions.
+            // Groups are within a few micrometres of the lens's exact positions.
             assert!(found.traced > 9000 && found.fates_differ <= 10, "{figures}");
             assert!(most < 1e-3 && median < 5e-5 && acceptance > 0.95, "{figures}");
         }
@@ -381,7 +383,7 @@ fn groups_focus_where_the_file_has_them() {
         let mut shader = Shader::new(name, &[]);
         for zoom in zooms {
             shader.zoom = *zoom;
-            // Distances in metres; 0 is infinity.
+            // Distances are in metres; 0 stands for infinity.
             for distance in [0.0, 5.0, 2.0, 1.2420, 0.2550001_f32] {
                 if distance > 0.0 && distance < 1.0 && name != "macro.105mm" {
                     continue;
@@ -404,7 +406,7 @@ fn groups_focus_where_the_file_has_them() {
                     println!("{figures}");
                     assert!(found.traced > 9000 && found.fates_differ <= 2, "{figures}");
                     assert!(most < 1e-5 && median < 4e-6 && acceptance > 0.94, "{figures}");
-                    // The film stays at the file's position, except for the shift to sharpest focus.
+                    // The film stays at its position in the file, except for the shift to the sharpest focus.
                     assert!((back - film).abs() < 0.01 * film, "{figures}");
                 }
             }
@@ -418,7 +420,7 @@ fn every_lens_of_the_catalogue_is_traced_as_in_double_precision() {
         let shader = Shader::new(name, &[]);
         let lens = if shader.focuses_by_groups { focused(name, None, 0.0) } else { lens_of(name) };
         cameras().map(|camera| {
-            // Groups are at their positions for infinity; the test above covers nearer foci.
+            // Groups are at their positions for infinity; the test above covers nearer distances.
             let camera = if shader.focuses_by_groups { [camera[0], 0.0] } else { camera };
             let answers = shader.answers(&samples(shader.reach, 20_000, camera));
             let found = Comparison::of(&lens, &answers);
@@ -440,13 +442,14 @@ fn every_lens_of_the_catalogue_is_traced_as_in_double_precision() {
     assert!(mean > 0.985, "mean acceptance {mean}");
 }
 
-/// Returns the slopes of the ray on the film's side.
+/// Returns the slopes of the ray on the film side of the lens.
 fn slopes(answer: &Answer) -> [f64; 2] {
     let [vx, vy, vz] = answer.heading;
     [vx / vz, vy / vz]
 }
 
-/// Returns the distance behind the last vertex, mm, at which the rays of one film point meet and start.
+/// Returns the distance behind the last vertex, mm, at which the rays of one film point meet, which is where they
+/// start.
 fn film_distance(answers: &[Answer]) -> f64 {
     let traced: Vec<&Answer> = answers.iter().filter(|answer| answer.is_traced).collect();
     let (mut along, mut squares) = (0.0, 0.0);
@@ -460,8 +463,8 @@ fn film_distance(answers: &[Answer]) -> f64 {
 }
 
 /// Returns a disk twice as wide as the slopes that the shader samples, with the same middle. Wherever the pupil of a
-/// film point lies (a phone's lens has it far from its first-order position), the disk also contains any part that the
-/// shader omits.
+/// film point lies (in a phone's lens, it lies far from its first-order position), the disk also contains any part
+/// that the shader omits.
 fn twice_around(answers: &[Answer]) -> SlopeDisk {
     let all = || answers.iter().filter(|answer| answer.is_traced).map(slopes);
     let middle = |axis: usize| {
@@ -479,7 +482,7 @@ fn twice_around(answers: &[Answer]) -> SlopeDisk {
 fn film_is_as_bright_as_all_rays_make_it_and_in_focus() {
     for name in ["dgauss.50mm", "wide.22mm", "fisheye.10mm", "sonnar.50mm", "phone.4mm"] {
         let shader = Shader::new(name, &[]);
-        // Aperture size, distance in m, field as a share of the reach.
+        // Each case has the aperture size, the distance in m, and the field as a share of the reach.
         let cases = [
             (0.0, 0.0, 0.0),
             (0.0, 2.0, 0.5),
@@ -491,8 +494,8 @@ fn film_is_as_bright_as_all_rays_make_it_and_in_focus() {
     }
 }
 
-/// Checks that the film of a shader is as bright as all rays of its lens make it, and that it is in focus for them;
-/// `cases` are an aperture's size, a distance in m, and the film point as a share of the reach.
+/// Checks that the film of a shader is as bright as all rays of its lens make it, and that the film is in focus for
+/// these rays. Each case has an aperture size, a distance in m, and the film point as a share of the reach.
 fn is_bright_and_in_focus(name: &str, own: &Lens, shader: &Shader, cases: &[(f32, f32, f64)]) {
     for &(aperture, distance, share) in cases {
         let mut lens = own.clone();
@@ -509,7 +512,7 @@ fn is_bright_and_in_focus(name: &str, own: &Lens, shader: &Shader, cases: &[(f32
         let back = film_distance(&answers);
         let expected = match distance {
             0.0 => Focus::new(&lens).and_then(|focus| focus.film_distance(f64::INFINITY)),
-            // The library measures from the film.
+            // The library measures the distance from the film.
             _ => Focus::new(&lens).and_then(|focus| {
                 focus.film_distance(1000.0 * f64::from(distance) - lens.rear().vertex + back)
             }),
@@ -523,7 +526,7 @@ fn is_bright_and_in_focus(name: &str, own: &Lens, shader: &Shader, cases: &[(f32
         let irradiance = |radius: f64, cover: SlopeDisk| {
             irradiance::survey(&path, film, [radius, 0.0], cover, cover, 300).irradiance
         };
-        // The rear element is too wide a disk for a grid.
+        // The disk of the rear element would be too wide for a grid of rays.
         let exit = PupilDisk::exit(&lens, film).seen_from([0.0, 0.0]);
         let center = SlopeDisk { radius: 2.5 * exit.radius, ..exit };
         let expected = irradiance(radius, twice_around(&answers)) / irradiance(0.0, center);
@@ -564,13 +567,14 @@ fn what_cannot_be_a_camera_is_refused_with_why() {
     let many: String = (0..66).map(|_| "1000 1 1.5 10\n-1000 1 1 10\n").collect();
     assert!(fails(&["blender", "-", "--out", "-"], &many, 1).contains("at most 64"));
     assert!(
-        // A file is not a folder.
+        // `Cargo.toml` is a file, so it cannot serve as a folder.
         fails(&["blender", "dgauss.50mm", "--out", "Cargo.toml/a.osl"], "", 1).contains("Cargo.toml/a.osl")
     );
 }
 
-/// Returns the largest relative difference between the transmission of a shader with `transmission`, relative to one
-/// without, and that of the library's walk with polarisation, at a wavelength number; and the least transmission.
+/// Returns two numbers at a wavelength number. The first is the largest relative difference between two
+/// transmissions: that of a shader with `transmission`, relative to a shader without it, and that of the library's
+/// walk with polarisation. The second is the least transmission.
 fn worst_loss(name: &str, lens: &Lens, arguments: &[&str], surfaces: &Surfaces, number: f32) -> [f64; 2] {
     let is_dispersive = arguments.contains(&"--dispersion");
     let [plain, lit] = [if is_dispersive { &["--dispersion"][..] } else { &[] }, arguments]
@@ -632,7 +636,7 @@ fn transmission_of_surfaces_is_the_librarys() {
 
 #[test]
 fn absorption_of_glasses_is_the_librarys() {
-    // An asphere, a cemented surface, a stop in the air behind it, and a plane in air.
+    // The lens has an asphere, a cemented surface, a stop in the air behind that surface, and a plane in air.
     let text = "glass DARK polynomial A0=2.9 A2=-0.01 A-2=0.03\nglass CLEAR sellmeier B1=1.03961212 B2=0.231792344 \
         B3=1.01046945 C1=0.00600069867 C2=0.0200179144 C3=103.560653\n\
         absorption DARK 380 0.3 430 0.08 546.1 0.01 650 0.02 700 0\nabsorption CLEAR 500 0.004\n\
@@ -659,14 +663,14 @@ fn absorption_of_glasses_is_the_librarys() {
         let [most, least] = worst_loss(name, &lens, arguments, &Surfaces::new(&lens, coating), number);
         println!("{nm} nm: {most:e}, {least}");
         assert!(most < 5e-6 && least < 0.97, "{nm} nm: {most:e}, {least}");
-        // The dark glass at its dark wavelengths absorbs far more than surfaces reflect.
+        // At the wavelengths where it is dark, the dark glass absorbs far more than the surfaces reflect.
         assert!(nm > 460.0 || least < 0.75, "{nm} nm: {least}");
     }
 }
 
 #[test]
 fn coatings_of_a_lens_file_are_in_its_shader() {
-    // A plano-convex lens has one film on the first surface, and none on the second.
+    // A plano-convex lens with one film on the first surface and none on the second.
     let text = "coating 1 stack 1.38 99.6\n50 4 1.5168 20\n0 60 1 20\n0 0 0 8\n";
     let shader =
         |transmission: &str| succeeds(&["blender", "-", "--out", "-", "--transmission", transmission], text);

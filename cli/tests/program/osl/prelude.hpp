@@ -1,4 +1,5 @@
-// The parts of Open Shading Language that a shader of `realistic blender` uses, in C++: single precision, safe roots.
+// The parts of Open Shading Language that a shader of `realistic blender` uses, in C++, with single precision and
+// safe roots.
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -44,7 +45,7 @@ inline void sincos(float angle, float &sine, float &cosine) {
     cosine = std::cos(angle);
 }
 
-// The camera of a sample, and the sample.
+// The data of a sample: its raster and lens coordinates, and the camera's settings.
 struct Sample {
     float raster[2], lens[2], aperture_size, focal_distance, sensor[2], hash;
 };
@@ -69,14 +70,14 @@ inline int getattribute(const char *name, vector &value) {
 inline float Dx(float) { return 1.0f / 300; }
 inline float Dy(float) { return 1.0f / 200; }
 
-// The inputs of the trace: stop, wavelength, x, y and direction; 0 before the trace.
+// The inputs of the trace: stop, wavelength, x, y and direction. All are 0 before the trace.
 static float traced[8];
 
-// Focal length in mm; 0: the shader's own.
+// Focal length in mm; 0 stands for the shader's own.
 static float requested_zoom = 0;
 
-// Reads samples from standard input, and writes for each the throughput, position, direction, and the inputs of the
-// trace. The text, if given, is the focal length.
+// Reads samples from standard input. For each sample, writes the throughput, position and direction, and the inputs
+// of the trace. The text, if given, is the focal length.
 template <class Shader> int serve(Shader shader, const char *zoom) {
     if (zoom) requested_zoom = std::strtof(zoom, nullptr);
     while (std::fread(&sample, sizeof sample, 1, stdin) == 1) {

@@ -1,4 +1,4 @@
-//! The position of the board, and coordinates on it.
+//! The position of the board, and the coordinates on it.
 
 use crate::host::scene::FLOOR;
 use glam::{Vec2, Vec3};
@@ -9,7 +9,7 @@ pub const SQUARE: f32 = 57.0;
 pub const BOARD: Vec3 = Vec3::new(40.0, FLOOR.height + 762.0, 680.0);
 /// Rotation of the board, radians.
 pub const TURN: f32 = 0.47;
-/// The table's height over the floor.
+/// Height of the table over the floor, mm.
 pub const TABLE: f32 = 740.0;
 /// Returns the middle of a square.
 pub fn middle_of([file, rank]: [u8; 2]) -> Vec3 {
@@ -39,7 +39,7 @@ mod tests {
             let back = on_board(middle_of(square)) / SQUARE + 3.5;
             assert!((back - Vec2::from(square.map(f32::from))).length() < 1e-4, "{square:?}: {back}");
         }
-        // A block's own axes are the board's.
+        // The axes of a block are those of the board.
         let block = Block {
             centre: BOARD,
             half: Vec3::new(4.0 * SQUARE, 1.0, 4.0 * SQUARE),

@@ -1,4 +1,4 @@
-//! Materials of the objects in the street: patterns by formula over the position, mm.
+//! Materials of the objects in the street, with patterns computed by formula from the position in mm.
 
 use super::board::{SQUARE, on_board};
 use crate::host::scene::noise::{hash, value};
@@ -15,7 +15,7 @@ fn mix(a: [f32; 3], b: [f32; 3], part: f32) -> Vec3 {
     Vec3::from(a).lerp(Vec3::from(b), part.clamp(0.0, 1.0))
 }
 
-/// Returns the grain of wood at a position, along the first axis: 0 to 1.
+/// Returns the grain of wood at a position, from 0 to 1; the grain runs along the first axis.
 fn grain(position: Vec3) -> f32 {
     let bend = 9.0 * value(position * Vec3::new(0.004, 0.02, 0.02));
     let rings = value(Vec3::new(position.x * 0.006, position.y * 0.05, position.z * 0.22 + bend));
@@ -23,7 +23,7 @@ fn grain(position: Vec3) -> f32 {
     0.7 * rings + 0.3 * fibres
 }
 
-/// The chequered top of the board, framed.
+/// The framed chequered top of the board.
 pub fn board(point: Vec3, normal: Vec3) -> Material {
     let position = on_board(point) / SQUARE;
     let inside = position.x.abs().max(position.y.abs()) < 4.0;
@@ -42,7 +42,7 @@ pub fn board(point: Vec3, normal: Vec3) -> Material {
     coated(colour, 0.16)
 }
 
-/// Boards of oiled oak: a table's top.
+/// Boards of oiled oak, for the top of a table.
 pub fn oak(point: Vec3, _: Vec3) -> Material {
     const PLANK: f32 = 118.0;
     let turned = Vec3::new(0.94 * point.x + 0.34 * point.z, point.y, 0.94 * point.z - 0.34 * point.x);
@@ -54,7 +54,7 @@ pub fn oak(point: Vec3, _: Vec3) -> Material {
     coated(if gap { 0.25 * colour } else { colour }, 0.28)
 }
 
-/// Setts of stone, wet in patches.
+/// Paving setts of stone, wet in patches.
 pub fn paving(point: Vec3) -> Material {
     const SETT: f32 = 160.0;
     let row = (point.z / SETT).floor();
@@ -76,7 +76,7 @@ const BAY: f32 = 1900.0;
 const STOREY: f32 = 3100.0;
 /// Storeys over the shops.
 const STOREYS: u8 = 4;
-/// Position of the window in a bay, and of the shop's window in a house: along the front, and up.
+/// Positions of the window in a bay, and of the shop's window in a house: along the front, and upward.
 const WINDOW: [Range<f32>; 2] = [480.0..1420.0, 750.0..2500.0];
 const DISPLAY: [Range<f32>; 2] = [500.0..5200.0, 450.0..2600.0];
 
@@ -94,12 +94,12 @@ fn is_open(house: i32, side: i32) -> bool {
     hash(house, side, 23) > 0.25
 }
 
-/// Returns the random number of a window's light, if it is lit.
+/// Returns the random number of a window's light, if the window is lit.
 fn lit(column: i32, storey: i32, side: i32) -> Option<f32> {
     Some(hash(column, storey, 7 + side)).filter(|chance| *chance <= 0.42)
 }
 
-/// Returns the lit windows and the open shops of a block of houses that is not rotated.
+/// Returns the panes of the lit windows and the open shops of an unrotated block of houses.
 pub fn windows(block: &Block) -> Vec<Pane> {
     let mut panes = Vec::new();
     for normal in [Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z] {
@@ -135,7 +135,7 @@ pub fn windows(block: &Block) -> Vec<Pane> {
     panes
 }
 
-/// The front of a row of houses: plaster, windows, some of them lit, and shops.
+/// The front of a row of houses: plaster, windows, of which some are lit, and shops.
 pub fn houses(point: Vec3, normal: Vec3) -> Material {
     let (across, origin) = front(normal);
     let (along, height) = ((point - origin).dot(across), point.y - origin.y);
@@ -149,7 +149,7 @@ pub fn houses(point: Vec3, normal: Vec3) -> Material {
         return wall;
     }
     if height < SHOP {
-        // A shop has a window and a door beside it.
+        // A shop has a window, and a door beside the window.
         let within = (along / HOUSE - house) * HOUSE;
         let [columns, rows] = &DISPLAY;
         let pane = columns.contains(&within) && rows.contains(&height);
@@ -218,7 +218,7 @@ mod tests {
                 }
             }
         }
-        // The rest of the area is frames.
+        // The rest of the area is window frames.
         let part = f64::from(shining) / f64::from(inside);
         assert!(part > 0.8 && part < 0.97, "{part}");
     }

@@ -1,5 +1,5 @@
-//! A game of chess on a café's terrace at dusk: the king in focus 65 cm from the lens, a street with its lamps far
-//! behind it. All objects are lathe-turned parts, boxes, rods and balls; patterns are formulas.
+//! A game of chess on a café's terrace at dusk: the king is in focus 65 cm from the lens, and a street with its lamps
+//! lies far behind. All objects are lathe-turned parts, boxes, rods and balls; patterns are formulas.
 
 mod board;
 mod materials;
@@ -20,10 +20,10 @@ use std::sync::Arc;
 const EYE: f32 = 168.0;
 /// Downward tilt of the camera, degrees.
 const TILT: f32 = 5.4;
-/// Square of the king: file and rank from 0.
+/// Square of the king, as file and rank counted from 0.
 const SUBJECT: [u8; 2] = [2, 2];
 
-/// The end of a game: piece, whether it is white, and square.
+/// The end of a game: each entry has the piece, whether it is white, and its square.
 const GAME: [(Piece, bool, [u8; 2]); 14] = [
     (King, true, SUBJECT),
     (Queen, false, [4, 3]),
@@ -85,7 +85,7 @@ pub fn scene() -> Scene {
     }
 }
 
-/// Returns the distance of a point from the camera along its axis.
+/// Returns the distance of a point from the camera along the camera's axis.
 fn depth(point: Vec3) -> f32 {
     let (sine, cosine) = TILT.to_radians().sin_cos();
     cosine * point.z - sine * (point.y - BOARD.y - EYE)

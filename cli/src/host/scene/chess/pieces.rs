@@ -1,5 +1,5 @@
-//! Chess pieces of Staunton's pattern, turned on a lathe: profiles are smooth curves through a few points. The
-//! knight, which a lathe cannot make, is left out.
+//! Chess pieces of Staunton's pattern, turned on a lathe, with profiles that are smooth curves through a few points.
+//! The knight is left out, because a lathe cannot make it.
 
 use crate::host::scene::Sphere;
 use crate::host::scene::solids::{Appearance, Block, Form, Rod, Turned};
@@ -16,14 +16,14 @@ pub enum Piece {
     Pawn,
 }
 
-/// Segments of a smooth curve between two of its points.
+/// Number of segments of a smooth curve between two of its points.
 const STEPS: u8 = 5;
 /// Slope below which a part of a profile is level.
 const LEVEL: f32 = 1e-3;
-/// Cosine of the angle between neighbouring segments beyond which there is an edge.
+/// Cosine of the angle between neighbouring segments below which there is an edge.
 const EDGE: f32 = 0.75;
 
-/// Radius and height, mm, from the foot up. A repeated point makes an edge.
+/// Radius and height of each point, mm, from the foot up. A repeated point makes an edge.
 const KING: &[[f32; 2]] = &[
     [20.5, 0.0],
     [20.5, 0.0],
@@ -190,7 +190,7 @@ const PAWN: &[[f32; 2]] = &[
     [5.8, 33.2],
 ];
 
-/// Makes a piece of a material, standing at a point.
+/// Makes a piece of a given material, standing at a point.
 pub fn solids(piece: Piece, foot: Vec3, appearance: Appearance) -> Vec<(Form, Appearance)> {
     let up = |y: f32| foot + y * Vec3::Y;
     let ball = |centre: Vec3, radius: f32| Form::Ball(Sphere::resting(centre, radius));
@@ -232,7 +232,7 @@ pub fn solids(piece: Piece, foot: Vec3, appearance: Appearance) -> Vec<(Form, Ap
     forms.into_iter().map(|form| (form, appearance)).collect()
 }
 
-/// Makes the turned part with this profile: radius and height of its points, from the foot up.
+/// Makes the turned parts of this profile, which lists radius and height of its points from the foot up.
 pub fn turned(profile: &[[f32; 2]], foot: Vec3) -> impl Iterator<Item = Form> {
     let points = smooth(profile);
     let normals: Vec<Vec2> =
@@ -316,12 +316,12 @@ mod tests {
             };
             let highest = grid().filter_map(|[x, z]| top(x, z)).fold(0.0, f32::max);
             assert!((highest - height).abs() < 0.4, "{piece:?}: {highest}");
-            // The piece has no hole from above.
+            // The piece has no hole that is visible from above.
             assert!(
                 grid().filter(|[x, z]| x.hypot(*z) < 14.9).all(|[x, z]| top(x, z).is_some()),
                 "{piece:?}"
             );
-            // The piece has no hole from the side either.
+            // The piece has no hole that is visible from the side either.
             for index in 0..200_u8 {
                 let height = f32::from(index) / 200.0 * 28.0 + 0.1;
                 let ray = Ray { origin: Vec3::new(-300.0, height, 0.3), direction: Vec3::X, time: 0.5 };

@@ -21,7 +21,7 @@ fn at(x: f32, height: f32, z: f32) -> Vec3 {
     Vec3::new(x, FLOOR.height + height, z)
 }
 
-/// A string of lamps: its ends, its sag, mm, and its lamps' number, radius and radiance.
+/// A string of lamps: its ends, its sag in mm, and the number, radius and radiance of its lamps.
 struct Garland {
     ends: [Vec3; 2],
     sag: f32,
@@ -116,7 +116,7 @@ pub fn lamps() -> Vec<Lamps> {
         garlands().iter().enumerate().map(|(number, garland)| garland.lamps(number)).collect();
     let posts = POSTS.iter().map(|[x, z]| lamp(at(*x, POST, *z), 150.0, PEARL, 9.0));
     groups.push(posts.collect());
-    // Cars in both directions, and the lights of a crossing.
+    // The lights of cars in both directions, and of a crossing.
     let cars = [(-700.0, 19_000.0), (-1000.0, 31_000.0), (900.0, 15_500.0), (1000.0, 26_000.0)];
     let pairs = cars.into_iter().flat_map(|(x, z)| {
         let (colour, radiance) = if x < 0.0 { (PEARL, 26.0) } else { (ROSE, 13.0) };

@@ -1,12 +1,12 @@
-//! Colour errors: the corner of a picture, with a bright window, stars, and lamps out of focus, by
-//! one wavelength and by several.
+//! Colour errors: the corner of a picture, with a bright window, stars, and lamps out of focus, rendered with one
+//! wavelength and with several.
 
 use super::super::{Ball, Board, Finish, Lamps, Material, Scene, Sphere, props};
 use glam::{Vec2, Vec3};
 
 /// Distance of the plane in focus, mm.
 const STAGE: f32 = 4000.0;
-/// Middle and width of the part that is shown, in the scene at that distance.
+/// Middle and width of the visible part, in the scene at that distance.
 const MIDDLE: Vec2 = Vec2::new(641.5, 425.0);
 const SHOWN: f32 = 88.0;
 

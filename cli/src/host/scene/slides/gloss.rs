@@ -1,5 +1,5 @@
-//! Gloss: a card on a floor of brushed metal, which reflects objects near it sharply and higher
-//! ones blurred.
+//! Gloss: a card on a floor of brushed metal, whose reflections are sharp for objects near the floor and blurred for
+//! objects higher up.
 
 use super::super::{Ball, Finish, Light, Material, Scene, Sun, props, tilted};
 use glam::Vec3;

@@ -1,4 +1,4 @@
-//! The small scenes of the lecture's slides, each with objects that show one effect.
+//! The small scenes of the lecture's slides, each of which shows one effect.
 
 pub mod colour;
 pub mod gloss;

@@ -1,5 +1,5 @@
-//! Motion blur: billiard balls, some of them rolling, in the spirit of Cook's "1984". Their
-//! shadows, and the reflections of other balls in them, blur with them.
+//! Motion blur: billiard balls, some of them rolling, in the spirit of Cook's "1984". The shadows of rolling balls
+//! are blurred as well, and so are the reflections of other balls in them.
 
 use super::super::{Ball, Finish, Material, Paint, Scene, Sun, print::Print, props, tilted};
 use crate::drawing::shapes::{Anchor, Page};
@@ -37,8 +37,7 @@ pub fn scene() -> Scene {
     }
 }
 
-/// Returns the paint of a ball: its number in a disk that faces up and forward, and a band around
-/// it.
+/// Returns the paint of a ball: a disk with its number that faces up and forward, and a band around the ball.
 fn painted(number: &str, colour: Vec3, band: Option<Vec3>) -> Paint {
     const SIDE: f32 = 24.0;
     let mut page = Page::on(hex(WHITE.to_array()), SIDE.into(), SIDE.into());

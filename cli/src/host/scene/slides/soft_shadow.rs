@@ -1,5 +1,5 @@
-//! Soft shadows: posts and balls in the light of a large lamp low at one side. A shadow is sharp at
-//! its object and widens away from it.
+//! Soft shadows: posts and balls in the light of a large lamp low on one side. A shadow is sharp next to its object
+//! and becomes blurred farther away.
 
 use super::super::{Ball, FLOOR, Finish, Material, Scene, Sphere, Sun, props, tilted};
 use glam::Vec3;

@@ -1,5 +1,5 @@
-//! Translucency: a sheet of frosted glass in front of a card that nearly touches it and objects
-//! farther behind.
+//! Translucency: a sheet of frosted glass in front of a card, which nearly touches the sheet, and of objects farther
+//! behind.
 
 use super::super::{Ball, Board, Finish, Material, Scene, props, tilted};
 use glam::{Vec2, Vec3};
