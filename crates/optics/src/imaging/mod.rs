@@ -1,6 +1,6 @@
-//! Properties of a lens that need tracing: its axial beam, focus, depth of field and film irradiance. Also opens a lens
-//! at a wavelength, stop, zoom and focus, which needs these properties. Field of view and image scale need many rays:
-//! they are in `crates/trace`.
+//! Properties of a lens that need tracing: its axial beam, focus, depth of field and film irradiance. This module also
+//! opens a lens at a wavelength, stop, zoom and focus, because opening needs these properties. Field of view and image
+//! scale need many rays and are therefore in `crates/trace`.
 //!
 //! The inputs are a lens and the position of its film; the results are distances (mm), angles (radians) and scales. The
 //! module is independent of rasters, samplers and cameras.
