@@ -349,9 +349,9 @@ impl Focus {
 /// The range of object distances in focus. Distances are counted from the film plane along the axis, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepthOfField {
-    /// Nearest distance that is sharp enough.
+    /// Nearest distance at which objects are sharp enough.
     pub near: f64,
-    /// Farthest distance that is sharp enough; may be infinite.
+    /// Farthest distance at which objects are sharp enough; may be infinite.
     pub far: f64,
     /// Nearest focus distance at which infinity is sharp enough.
     pub hyperfocal: f64,
