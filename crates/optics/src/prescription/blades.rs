@@ -29,7 +29,6 @@ impl Blades {
     /// inside if `bulge` (x² + y²) + `slant` m <= `bulge` + `slant` cos(π/n). The difference between the two sides is
     /// half the arcs' curvature times the power of the point with respect to the nearest arc; for straight blades it is
     /// the distance to the edge.
-    /// edge.
     pub fn constants(&self) -> BladeConstants {
         let (cosine, sine) = self.half_angle();
         let c = self.curvature;

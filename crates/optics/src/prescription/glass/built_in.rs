@@ -44,7 +44,7 @@ pub(super) fn candidates(name: &str) -> Vec<(&'static str, Glass)> {
     found
 }
 
-/// Finds the lines of a [`loose`] name, by bisection.
+/// Finds the lines with a [`loose`] name, by bisection.
 fn lines_of(name: &str) -> impl Iterator<Item = &'static str> {
     let entries = entries();
     let (mut low, mut high) = (0, entries.len());
