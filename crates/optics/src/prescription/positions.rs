@@ -19,7 +19,7 @@ pub struct Positions {
 pub struct Position {
     /// The name of the position, if it has one.
     pub name: Option<String>,
-    /// The gaps in mm, 0 or more, one for each of [`Positions::gaps`].
+    /// The gaps in mm, one for each of [`Positions::gaps`]; negative only beside a plane that only limits rays.
     pub gaps: Vec<f64>,
     /// Clear diameter of the stop, mm, if it varies.
     pub stop_diameter: Option<f64>,
@@ -59,7 +59,6 @@ impl Positions {
     /// patents use. The leading columns with the object distance of the first column, usually infinity, are the zoom
     /// positions. The same number of columns in the same order follows for each nearer object. Columns after the last
     /// complete step are ignored.
-    /// ignored.
     pub fn layout(&self) -> Layout {
         let first = self.columns[0].vergence();
         let zooms = self.columns.iter().take_while(|column| column.vergence() == first).count();

@@ -259,7 +259,7 @@ mod tests {
         let glass = Medium::Glass { n_d: 1.5168, abbe: Some(64.17) };
         let index = |nm: f64| refractive_index(glass, nm);
         assert_eq!([587.56, 587.561, 587.5618].map(index), [1.5168; 3]);
-        // The slope is 0.00004 per nanometre: no jump exceeds the change over the width of the d line's interval.
+        // The slope is 0.00004 per nanometre. No jump exceeds the change over the interval `D_LINES`.
         let step = (index(587.5618) - index(587.5619)).abs();
         assert!(step < 1e-7, "{step}");
         assert!(index(587.5) > 1.5168 && index(587.6) < 1.5168);

@@ -47,8 +47,8 @@ pub(super) fn terms(n_d: f64, abbe: f64) -> [f64; 3] {
 }
 
 /// Returns the glass of a six-digit code. 517642, 517-642, 517/642 or 517.642 means n_d 1.517 and V 64.2. Digits that
-/// follow a six-digit code and a point, as in 517642.251, are the density. The first three digits of a code below 300
-/// stand for an index of 2.0 or more, because no glass has an index below 1.3. Returns `None` for any other word.
+/// follow a six-digit code and a point, as in 517642.251, are the density. First digits below 300 mean an index of
+/// 2.0 to 2.299, because no glass has an index below 1.3. Returns `None` for any other word.
 pub fn by_code(word: &str) -> Option<Medium> {
     let code = match word.split_once('.') {
         Some((code, density)) if code.len() == 6 && density.bytes().all(|byte| byte.is_ascii_digit()) => code,
