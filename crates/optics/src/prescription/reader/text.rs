@@ -41,7 +41,7 @@ pub(super) struct Text<'a> {
 }
 
 impl<'a> Text<'a> {
-    /// Makes the text of [`decoded`] bytes.
+    /// Builds the text from [`decoded`] bytes.
     pub(super) fn new(file: &'a str, bytes: &'a [u8]) -> Self {
         Self { file, text: as_str(bytes) }
     }

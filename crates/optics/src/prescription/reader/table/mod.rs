@@ -5,9 +5,9 @@
 //! There are two kinds of table. **Four columns**, as in the assignment and in pbrt: every row has radius, thickness,
 //! refractive index and clear diameter. **Five columns**, as in Smith's *Modern Lens Design*: a row of glass has
 //! radius, thickness, n_d, V-number and clear diameter; a row of air has radius, thickness and diameter; the row of the
-//! stop has thickness and diameter, perhaps after the word `stop`. In both kinds `-` stands for a missing value. A file
-//! is of the second kind if any row has five values. The last column has radii instead of diameters if a comment labels
-//! it as radii.
+//! stop has thickness and diameter, perhaps after the word `stop`; and `-` stands for a missing value. A file is of the
+//! second kind if any row has five values. In both kinds the last column has radii instead of diameters if a comment
+//! labels it as radii.
 
 mod coatings;
 mod columns;

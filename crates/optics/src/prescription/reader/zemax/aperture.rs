@@ -118,7 +118,7 @@ impl Paraxial {
         self.slopes[0].abs()
     }
 
-    /// Returns the distance from the first vertex back to the entrance pupil.
+    /// Returns the distance of the entrance pupil behind the first vertex.
     fn pupil(&self, stop: usize) -> f64 {
         self.from_vertex[stop] / self.parallel[stop]
     }

@@ -204,8 +204,8 @@ struct ZemaxParts<'b, 't> {
 }
 
 impl<'b, 't> ZemaxParts<'b, 't> {
-    /// Assigns the surfaces of a file, which are numbered from 0. A file that begins with surface 1 has no object, and
-    /// has an image only if its last surface is a plane in air.
+    /// Assigns the surfaces of a file, which are numbered from 0, to the lens, the object and the image. A file that
+    /// begins with surface 1 has no object, and has an image only if its last surface is a plane in air.
     fn of(text: &Text<'_>, blocks: &'b Blocks<'t>, ledger: &mut Ledger<'_>) -> Result<Self, LensFileError> {
         let all = blocks.surfaces.as_slice();
         let first = usize::from(all.first().is_some_and(|block| block.number.parse() == Ok(1)));
