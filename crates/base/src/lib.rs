@@ -5,12 +5,12 @@
 //!
 //! | name | is |
 //! |---|---|
-//! | [`numeric::Real`] | the trait of the number types that rays are traced in |
+//! | [`numeric::Real`] | the trait of the number types with which rays are traced |
 //! | [`numeric::dot`], [`numeric::cross`], [`numeric::unit`] | vectors of three components, without loss of digits |
 //! | [`numeric::Monotone`] | a smooth curve through tabulated points |
 //! | [`numeric::root`], [`numeric::minimum`], [`numeric::edge`] | searches in a bracket |
-//! | [`numeric::gauss_legendre`] | the points of a quadrature |
-//! | [`message::Level`], [`message::Log`] | the severity of a message, and its receiver |
+//! | [`numeric::gauss_legendre`] | the points and weights of a quadrature |
+//! | [`message::Level`], [`message::Log`] | the severity of a message; the receiver of messages |
 //! | [`message::nearest`], [`message::short`] | the correction of a misspelt name; a number in six significant digits |
 //!
 //! This crate depends on no other crate; `simd`, `optics`, `trace`, `light` and `camera` depend on it.

@@ -179,7 +179,7 @@ pub struct Focus {
     at_infinity: BestImage,
 }
 
-/// An object distance and the film distance that focuses it, both mm.
+/// An object distance and the film distance at which the object is in focus, both mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conjugates {
     /// Distance from the film plane to the object, along the axis.
@@ -353,7 +353,7 @@ pub struct DepthOfField {
     pub near: f64,
     /// Farthest distance at which objects are sharp enough; may be infinite.
     pub far: f64,
-    /// Nearest focus distance at which infinity is sharp enough.
+    /// Nearest focus distance at which objects at infinity are sharp enough.
     pub hyperfocal: f64,
 }
 

@@ -22,7 +22,7 @@ pub struct Abcd {
 impl Abcd {
     const IDENTITY: Self = Self { a: 1.0, b: 0.0, c: 0.0, d: 1.0 };
 
-    /// Returns this matrix followed by a surface of power (n' - n)/R.
+    /// Returns this matrix followed by the refraction at a surface with the power (n' - n)/R.
     fn refracted(self, power: f64) -> Self {
         Self { c: self.c - power * self.a, d: self.d - power * self.b, ..self }
     }

@@ -51,7 +51,7 @@ pub struct Surface {
 /// as neighbours.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
-    /// The two surfaces, counted from the scene.
+    /// Indices of the two surfaces, counted from the scene.
     pub surfaces: [usize; 2],
     /// Distance from the axis at which the surfaces begin to overlap, mm.
     pub height: f64,
@@ -104,7 +104,7 @@ impl Surface {
     }
 }
 
-/// Number of heights at which the gap between two surfaces is tested if one of them is an asphere.
+/// Number of annuli at whose edges the gap between two surfaces is tested, if one of the surfaces is an asphere.
 const ANNULI: u32 = 256;
 /// Maximum overlap of touching surfaces, divided by the width of the annulus in which they overlap. The quotient is
 /// roughly the tangent of the angle between the surfaces.

@@ -100,7 +100,7 @@ struct Contact<R> {
 
 /// Maximum number of steps of Newton's iteration. Double-double numbers take 8 steps on a phone lens.
 const NEWTON_STEPS: u32 = 24;
-/// Factor by which rounding may move a squared distance past its bound.
+/// Factor by which rounding may move a squared distance beyond the bound on it.
 const BESIDE: f64 = 1.0 + 1e-6;
 /// Maximum number of steps of a march along a ray.
 const MARCH_STEPS: u32 = 256;

@@ -8,13 +8,13 @@
 //! **Method.** A ray is a point P and a vector V = n D, its direction D times the refractive index n. At each surface:
 //!
 //! 1. P is moved into the frame of the next surface's vertex: the distance between the vertices is subtracted from z.
-//! 2. The ray meets a sphere or plane of curvature c at P + t V, t = 2 f/(g + e), with f = (c/2) P·P - z and g = N·V
-//!    at P, and e = √(g² - 2 c n² f) = n cos I at the hit (`surface`). It meets an aspheric surface by Newton's
-//!    iteration, with a proof that the crossing is the first (`aspheric`).
-//! 3. The point is tested against the clear aperture, and in the stop against the figure of the blades (`surface`).
-//! 4. Snell's law, with N the unit normal and n' the index behind: V' = V + (e' - e) N,
-//!    e' = √(e² + n'² - n²) = n' cos I' (W. J. Smith, *Modern Optical Engineering*). A negative number under the root
-//!    means total reflection.
+//! 2. The ray meets a sphere or plane of curvature c at P + t V, where t = 2 f/(g + e). Here f = (c/2) P·P - z and
+//!    g = N·V at P, and e = √(g² - 2 c n² f) = n cos I at the hit (`surface`). The hit on an aspheric surface is found
+//!    by Newton's iteration, with a proof that it is the first crossing (`aspheric`).
+//! 3. The point is tested against the clear aperture and, in the stop, against the figure of the blades (`surface`).
+//! 4. V is refracted by Snell's law: V' = V + (e' - e) N, where N is the unit normal, n' the index behind the surface,
+//!    and e' = √(e² + n'² - n²) = n' cos I' (W. J. Smith, *Modern Optical Engineering*). A negative number under the
+//!    root means total reflection.
 //!
 //! `path` is the loop over the surfaces. `realistic_trace::polynomial` replaces this whole method by fitted
 //! polynomials.

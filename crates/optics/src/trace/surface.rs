@@ -158,7 +158,7 @@ impl<R: Real> PathSurface<R> {
         Ok(())
     }
 
-    /// Tests the ray against the aperture and refracts it.
+    /// Tests the ray against the aperture, and refracts or reflects it.
     #[inline(always)]
     pub fn pass(&self, state: &mut State<R>, method: Refraction) -> Result<(), Blocked> {
         let [x, y, _] = state.p;

@@ -22,7 +22,7 @@ use crate::{
 use realistic_base::numeric::{Monotone, root};
 use travel::{Pose, at_pose, values};
 
-/// A lens whose groups move, at the positions of its table.
+/// A lens with moving groups, at the positions that its table lists.
 #[derive(Clone, Debug)]
 pub struct MovingGroups<'a> {
     prescription: &'a Prescription,

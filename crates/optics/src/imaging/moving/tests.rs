@@ -13,7 +13,7 @@ fn thin(focal_length: f64) -> [Interface; 2] {
         thickness: 0.0,
         medium,
         glass: None,
-        // Faces this narrow touch; wider ones would cross.
+        // Surfaces this narrow touch; wider surfaces would cross.
         semi_diameter: 0.2,
         is_stop: false,
     };

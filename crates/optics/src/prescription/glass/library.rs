@@ -196,7 +196,7 @@ impl GlassLibrary {
 }
 
 impl DirectoryCatalogues {
-    /// Reads the catalogues of a directory, in the order of their names, within the limits.
+    /// Reads the catalogues of a directory, in the order of their names, within the limits on number and size.
     fn of(directory: &Path) -> Self {
         let is_catalogue = |path: &PathBuf| {
             path.extension().is_some_and(|end| end.eq_ignore_ascii_case("agf")) && path.is_file()

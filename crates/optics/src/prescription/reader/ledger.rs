@@ -57,7 +57,7 @@ impl<'t> Ledger<'t> {
         self.add(fate, Some(location), statement, surface, reason.into(), false);
     }
 
-    /// Records a fate as [`Self::note`] does, with a warning to the user of the lens.
+    /// Records a fate as [`Self::note`] does, and adds a warning for the user of the lens.
     pub(super) fn warn(
         &mut self,
         fate: Fate,

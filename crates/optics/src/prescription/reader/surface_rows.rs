@@ -9,7 +9,7 @@ use crate::prescription::{
 };
 use realistic_base::message::{as_given, short};
 
-/// The role that a row states for itself.
+/// The role that a row states for its surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Role {
     /// No role: a plane in air is the stop, or a flare stop if another row is the stop.
@@ -180,7 +180,7 @@ pub(super) fn in_order(interfaces: &[Interface], at: AtRow<'_>) -> Result<(), Le
     if is_negative(&last) { Err(wrong(last)) } else { Ok(()) }
 }
 
-/// Checks [`in_order`] at each of the positions.
+/// Checks at each of the positions that the vertices are in order, as [`in_order`] does.
 ///
 /// Returns the error of [`in_order`], together with the position at which it occurs.
 pub(super) fn positions_in_order(
