@@ -122,9 +122,9 @@ const STEPS: u32 = 256;
 /// Number of times that the innermost step is then halved, because a stop may be a pinhole.
 const HALVINGS: i32 = 64;
 
-/// Searches the rays with parameters from 0, the axis, to `most` for the outermost ray that gets through; no ray beyond
-/// `most` does. Returns the index, counted from the scene, of the surface that stops the next ray outward, and the
-/// parameter of the outermost ray.
+/// Searches the rays with parameters from 0, the axis, to `most` for the outermost ray that gets through. No ray beyond
+/// `most` gets through. Returns the index, counted from the scene, of the surface that stops the next ray outward, and
+/// the parameter of the outermost ray.
 fn outermost(path: &Path, most: f64, ray: impl Fn(f64) -> Ray) -> Option<(usize, f64)> {
     let passes = |size: f64| path.trace(ray(size)).is_ok();
     let equal = (1..=STEPS).rev().map(|i| most * (f64::from(i) / f64::from(STEPS)));

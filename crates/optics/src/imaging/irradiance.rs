@@ -22,8 +22,8 @@ pub fn on_axis<R: Real>(path: &Path<R>, film: f64, reach: f64) -> f64 {
     radii.iter().map(|(at, share)| share * along_radius(path, film, reach, from + at * sector)).sum()
 }
 
-/// Returns the irradiance on the axis for a rotationally symmetric pupil. Its profile is the one found along the
-/// direction `azimuth`, in radians.
+/// Returns the irradiance on the axis for a rotationally symmetric pupil whose profile is that of the actual pupil
+/// along the direction `azimuth`, in radians.
 fn along_radius<R: Real>(path: &Path<R>, film: f64, reach: f64, azimuth: f64) -> f64 {
     const SCAN: u32 = 512;
     let (sine, cosine) = azimuth.sin_cos();

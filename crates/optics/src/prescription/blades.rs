@@ -15,7 +15,7 @@ pub struct Blades {
 }
 
 impl Blades {
-    /// Allowed numbers of blades. With more, the opening is a circle to within half a per cent of its radius.
+    /// Allowed numbers of blades. With more blades, the opening is a circle to within half a per cent of its radius.
     pub const COUNTS: RangeInclusive<u32> = 3..=32;
 
     /// Returns the cosine and sine of half the angle between two corners.

@@ -303,7 +303,7 @@ impl Asphere {
     }
 }
 
-/// Facts that the file states, or the patent from which the file was made.
+/// Facts stated by the file, or by the patent from which the file was made.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Stated {
     /// The year of the patent or book.

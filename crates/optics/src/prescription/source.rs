@@ -74,6 +74,7 @@ impl SearchPath {
 
     /// Returns the path of the first file with that name: the file as given, then the file in each directory.
     ///
+    /// # Errors
     /// No such file exists. The error has the reason for the first match that is not a regular file, if there is such a
     /// match.
     fn find(&self, name: &str) -> Result<PathBuf, Option<SourceError>> {
@@ -95,6 +96,7 @@ impl SearchPath {
 
 /// Returns whether a regular file exists at the path.
 ///
+/// # Errors
 /// The path leads to something else, or cannot be examined. The text gives the reason why the path cannot be read.
 fn is_file(path: &Path) -> Result<bool, String> {
     match std::fs::metadata(path) {
@@ -185,6 +187,7 @@ pub enum SourceError {
 /// lens is to be scaled to the focal length, mm, which is positive and finite. A name is not split if it has no `@`, or
 /// if it names a file as given or along `search`.
 ///
+/// # Errors
 /// The part after the `@` is not `<positive number>mm`, or the name is too long: it has more than [`MAX_NAME_BYTES`]
 /// bytes without its directories, or more than [`MAX_PATH_BYTES`] with them.
 pub fn split_scale<'a>(name: &'a str, search: &SearchPath) -> Result<(&'a str, Option<f64>), SourceError> {
@@ -202,6 +205,7 @@ pub fn split_scale<'a>(name: &'a str, search: &SearchPath) -> Result<(&'a str, O
 /// Finds and reads a table: a file as given, then a file along `search`, then a lens of the catalogue. Named glasses
 /// are looked up in `library` and in the catalogues beside the file.
 ///
+/// # Errors
 /// No such lens exists, the path leads to something other than a file, the file is unreadable, or the file is not a
 /// lens.
 pub fn load(table: &str, search: &SearchPath, library: GlassLibrary) -> Result<Prescription, SourceError> {
@@ -237,6 +241,7 @@ fn catalogue_name(table: &str) -> &str {
 /// Reads a glass catalogue for `load`, from a file as given or along `search`. Without a name, only the built-in
 /// glasses are available.
 ///
+/// # Errors
 /// No such file exists, the file is unreadable or is not a catalogue, or the name is too long.
 pub fn glass_library(name: Option<&str>, search: &SearchPath) -> Result<GlassLibrary, SourceError> {
     let mut library = GlassLibrary::default();

@@ -17,6 +17,7 @@ impl Prescription {
     /// Checks that every glass has an index at a wavelength, nm. Returns warnings about glasses whose data do not
     /// include this wavelength, or whose indices at this wavelength are only guesses.
     ///
+    /// # Errors
     /// A glass has no index at the wavelength. The text names the first such glass, and the wavelengths at which it has
     /// an index.
     pub fn check_wavelength(&self, wavelength: f64) -> Result<Vec<String>, String> {

@@ -120,8 +120,8 @@ impl Bend {
         if kappa > 0.0 && root_squared_at_edge < Self::STEEP {
             return Self::of_half([c, kappa], semi_diameter, bounds, n);
         }
-        // If the ellipsoid ends before that, the reach is the radius where the root is half of the root at the clear
-        // semi-diameter.
+        // If the ellipsoid ends before `REACH`, the reach is the radius where √(1 - κ c² r²) is half of its value at
+        // the clear semi-diameter.
         let ends = (1.0 - root_squared_at_edge / 4.0) / (kappa * (c * semi_diameter).powi(2));
         let reach = if kappa > 0.0 { ends.sqrt().clamp(1.0, Self::REACH) } else { Self::REACH };
         // Beyond the clear aperture a paraboloid is added to the conic. The curvatures of the conic, c/√… and c/√…³,

@@ -54,6 +54,7 @@ pub fn refractive_index(medium: Medium, wavelength: f64) -> f64 {
 /// valid part around the visible. Without a stated range, a Sellmeier formula with three terms is tested over
 /// [`ORDINARY_WAVELENGTHS`], and any other formula between F and C; the result is `None` if the formula is valid there.
 ///
+/// # Errors
 /// The formula gives an invalid index between F and C or, if its range lies outside the visible, anywhere in its range.
 /// The text states the fault.
 pub(super) fn usable_range(medium: Medium, range: Option<[f64; 2]>) -> Result<Option<[f64; 2]>, String> {

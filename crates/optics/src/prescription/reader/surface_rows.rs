@@ -73,6 +73,7 @@ const V_NUMBERS: [f64; 2] = [5.0, 200.0];
 /// Builds the interfaces of a lens from its rows, scene side first. Warnings about rows that are not used as written go
 /// to `ledger`.
 ///
+/// # Errors
 /// A row cannot be an interface of a lens in air. The error is about the first such row.
 pub(super) fn interfaces(
     rows: &[SurfaceRow],
@@ -159,6 +160,7 @@ pub(super) fn interfaces(
 /// surfaces around them. A stop within its neighbour's sagitta is common, and tracing decides whether rays meet the
 /// stop.
 ///
+/// # Errors
 /// A row lies in front of the row before it. The error is about the first such row.
 pub(super) fn in_order(interfaces: &[Interface], at: AtRow<'_>) -> Result<(), LensFileError> {
     let wrong = |number: usize| {
@@ -182,6 +184,7 @@ pub(super) fn in_order(interfaces: &[Interface], at: AtRow<'_>) -> Result<(), Le
 
 /// Checks at each of the positions that the vertices are in order, as [`in_order`] does.
 ///
+/// # Errors
 /// Returns the error of [`in_order`], together with the position at which it occurs.
 pub(super) fn positions_in_order(
     interfaces: &[Interface],

@@ -220,6 +220,7 @@ fn constants_of(formula: &str) -> Option<Vec<String>> {
 
 /// Returns the medium that a formula gives with these constants, which are in the order of [`constants_of`].
 ///
+/// # Errors
 /// Constants are missing; the error is the number of constants that the formula requires, as a word.
 fn medium(formula: &str, constants: &[Option<f64>]) -> Result<Medium, &'static str> {
     let every = |missing| constants.iter().copied().collect::<Option<Vec<f64>>>().ok_or(missing);

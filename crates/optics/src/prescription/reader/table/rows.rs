@@ -18,6 +18,7 @@ const FIVE_COLUMNS: &str = "a five-column table has rows of five values (glass: 
 
 /// Reads a row of four columns. The checks of the row against its neighbours follow later.
 ///
+/// # Errors
 /// A word is invalid in its column. The error is about the first such word.
 pub(super) fn of_four(
     lines: &Lines<'_>,
@@ -46,6 +47,7 @@ pub(super) fn of_four(
 
 /// Reads a row of five columns; rows of air and of the stop lack some of the values.
 ///
+/// # Errors
 /// A word is invalid in its column. The error is about the first such word.
 pub(super) fn of_five(
     lines: &Lines<'_>,

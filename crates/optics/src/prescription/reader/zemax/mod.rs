@@ -45,6 +45,7 @@ const ROUNDING: f64 = 1e-4;
 
 /// Reads a lens from a text.
 ///
+/// # Errors
 /// The text is not a lens, or is a lens that cannot be traced; the error gives the first location with a fault.
 pub(super) fn read(
     text: &Text<'_>,

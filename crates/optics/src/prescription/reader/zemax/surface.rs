@@ -43,6 +43,7 @@ const READ: &str = "read are STANDARD, EVENASPH, ODDASPHE, XASPHERE, XOSPHERE an
 
 /// Reads one surface between the object and the image.
 ///
+/// # Errors
 /// Tracing does not support the surface, or a value is missing.
 pub(super) fn read(
     text: &Text<'_>,
@@ -192,6 +193,7 @@ const SHAPED: [(&str, &str); 9] = [
 
 /// Returns the radius of the surface's round aperture, if the file states one separately from the semi-diameter.
 ///
+/// # Errors
 /// The surface has an aperture of another shape, or the surface or its aperture is tilted or decentred. Rays traced
 /// without these features would be wrong.
 fn aperture(
