@@ -5,15 +5,15 @@
 //!
 //! | name | is |
 //! |---|---|
-//! | [`numeric::Real`] | the trait of the number types that rays are traced in |
+//! | [`numeric::Real`] | the trait of the number types with which rays are traced |
 //! | [`numeric::dot`], [`numeric::cross`], [`numeric::unit`] | vectors of three components, without loss of digits |
 //! | [`numeric::Monotone`] | a smooth curve through tabulated points |
 //! | [`numeric::root`], [`numeric::minimum`], [`numeric::edge`] | searches in a bracket |
-//! | [`numeric::gauss_legendre`] | the points of a quadrature |
-//! | [`message::Level`], [`message::Log`] | the severity of a message, and its receiver |
-//! | [`message::nearest`], [`message::short`] | a misspelt name's correction; a number in six digits |
+//! | [`numeric::gauss_legendre`] | the points and weights of a quadrature |
+//! | [`message::Level`], [`message::Log`] | the severity of a message; the receiver of messages |
+//! | [`message::nearest`], [`message::short`] | the correction of a misspelt name; a number in six significant digits |
 //!
-//! It depends on no other crate; `simd`, `optics`, `trace`, `light` and `camera` depend on it.
+//! This crate depends on no other crate; `simd`, `optics`, `trace`, `light` and `camera` depend on it.
 //!
 //! ```
 //! use realistic_base::{
@@ -26,7 +26,7 @@
 //! assert_eq!(nearest("focusdistnace", ["focus_distance", "fov"]), Some("focus_distance"));
 //! ```
 //!
-//! Only the public interface of the crate `realistic` is stable; this one may change in any version.
+//! Only the public interface of the crate `realistic` is stable; this crate may change in any version.
 
 #![forbid(unsafe_code)]
 

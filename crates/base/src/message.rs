@@ -1,6 +1,6 @@
-//! Messages to people: their severity, and the formatting of names, suggestions for misspelt names, truncated texts
-//! from outside, and numbers. Numbers have few digits; the minimum of a range is rounded up, so that it lies inside the
-//! range.
+//! Messages for people: their severity, and the formatting of names, numbers, suggestions for misspelt names and
+//! truncated text from outside the program. Numbers have few digits. The minimum of a range is rounded up, so that the
+//! printed minimum lies inside the range.
 
 use std::{borrow::Cow, collections::HashMap, fmt::Display};
 
@@ -15,11 +15,11 @@ pub enum Level {
     Error,
 }
 
-/// Receives messages.
+/// A function that receives messages.
 pub type Log<'a> = &'a mut dyn FnMut(Level, &str);
 
-/// Merges warnings of one lens that differ only in their line and numbers. Keeps the first of each kind, in order, and
-/// appends the lines of the others.
+/// Merges the warnings about one lens that differ only in line number and numeric values. Keeps the first warning of
+/// each kind, in order, and appends the line numbers of the others to it.
 pub fn folded(warnings: &[String]) -> Vec<String> {
     let mut kinds: Vec<Vec<&String>> = Vec::new();
     let mut known: HashMap<String, usize> = HashMap::new();
@@ -55,12 +55,13 @@ pub fn some_of<T: Display>(items: &[T]) -> String {
     shown.join(", ") + &if more > 0 { format!(" and {more} more") } else { String::new() }
 }
 
-/// Returns `singular` or `plural` with [`some_of`] the items: `surfaces 1, 2 and 3`.
+/// Returns the word `singular` or `plural`, whichever suits the number of items, followed by [`some_of`] the items:
+/// `surfaces 1, 2 and 3`.
 pub fn counted<T: Display>(singular: &str, plural: &str, items: &[T]) -> String {
     format!("{} {}", if items.len() == 1 { singular } else { plural }, some_of(items))
 }
 
-/// Replaces each number by `0`; digits within a name, such as that of a glass, stay.
+/// Replaces each number with `0`. Digits within a name, such as a glass's, stay.
 fn without_numbers(text: &str) -> String {
     let is_part = |c: char| c.is_alphanumeric() || c == '.';
     let (mut words, mut before, mut is_number) = (String::with_capacity(text.len()), ' ', false);
@@ -82,7 +83,7 @@ fn line_of(warning: &str) -> Option<&str> {
     Some(line).filter(|line| !line.is_empty() && line.bytes().all(|byte| byte.is_ascii_digit()))
 }
 
-/// Lists names to choose from in a sentence: `"a", "b" or "c"`.
+/// Joins names into a list of alternatives for a sentence: `"a", "b" or "c"`.
 pub fn quoted(names: &[&str]) -> String {
     let names: Vec<String> = names.iter().map(|name| format!("\"{name}\"")).collect();
     match &names[..] {
@@ -91,7 +92,7 @@ pub fn quoted(names: &[&str]) -> String {
     }
 }
 
-/// Truncates a text from outside, of any length, to 40 characters.
+/// Truncates text from outside the program, which may have any length, to 40 characters.
 pub fn cut(text: &str) -> String {
     const MOST: usize = 40;
     match text.char_indices().nth(MOST) {
@@ -113,8 +114,8 @@ pub fn printable(text: &str) -> Cow<'_, str> {
     text.chars().map(escaped).collect::<String>().into()
 }
 
-/// Makes a message safe for a host: printable, and without its middle if it is too long to read. Texts from outside may
-/// have any length.
+/// Makes a message safe for a host: makes it printable, and removes the middle of a message that is too long to read. A
+/// message may quote outside text of any length.
 pub fn bounded(text: &str) -> Cow<'_, str> {
     const MOST: usize = 4000;
     const END: usize = 800;
@@ -132,8 +133,8 @@ pub fn bounded(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// Returns the end of a message about an unknown name: suggests the nearest known name or, if none is near, lists all
-/// of them.
+/// Returns the end of a message about an unknown name. Suggests the nearest known name or, if no name is near, lists
+/// all known names.
 pub fn nearest_or_all(given: &str, names: &[&str]) -> String {
     match nearest(given, names.iter().copied()) {
         Some(name) => format!("did you mean \"{name}\"?"),
@@ -141,9 +142,9 @@ pub fn nearest_or_all(given: &str, names: &[&str]) -> String {
     }
 }
 
-/// Returns the name that a misspelt one probably means: the first with the fewest edits (letters omitted, inserted,
-/// changed or swapped), if these are less than a third of the letters. Names of three letters allow no edit: nearly any
-/// word of three is a letter from another.
+/// Returns the name that a misspelt name probably means: the first name that needs the fewest edits (letters omitted,
+/// inserted, changed or swapped), if the number of edits is less than a third of the number of letters. A name of three
+/// letters allows no edit, because nearly any word of three letters is one edit away from another.
 pub fn nearest<'a>(given: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let given: Vec<char> = given.chars().take(64).map(|letter| letter.to_ascii_lowercase()).collect();
     let near = names.into_iter().filter_map(|name| {
@@ -153,8 +154,8 @@ pub fn nearest<'a>(given: &str, names: impl IntoIterator<Item = &'a str>) -> Opt
     near.min_by_key(|(edits, _)| *edits).map(|(_, name)| name)
 }
 
-/// Counts the letters to omit, insert, change or swap with the next: the edit distance of F. J. Damerau 1964, computed
-/// row by row.
+/// Returns the edit distance of F. J. Damerau 1964: the number of letters to omit, insert, change or swap with the next
+/// letter. The distance is computed row by row.
 fn edit_distance(given: &[char], name: &str) -> usize {
     let name: Vec<char> = name.chars().collect();
     let (mut above, mut row) = (Vec::new(), (0..=given.len()).collect::<Vec<usize>>());
@@ -173,16 +174,16 @@ fn edit_distance(given: &[char], name: &str) -> usize {
     row[given.len()]
 }
 
-/// Writes a number as it was given: with the digits of single precision if it has that value, and with a power of ten
-/// if it has more zeros than digits.
+/// Writes a number as the user gave it. A number that single precision represents exactly has the digits of single
+/// precision; a number longer than 24 characters is written with a power of ten.
 pub fn as_given(number: f64) -> String {
     let single = number as f32;
     let plain = if f64::from(single) == number { single.to_string() } else { number.to_string() };
     if plain.len() > 24 { format!("{number:e}") } else { plain }
 }
 
-/// Writes a number with the given count of decimals. A number that would show only zeros or be longer than a line is
-/// written with a power of ten. Values below 1e-12 are rounding errors, written as 0.
+/// Writes a number with the given number of decimals. A number that would show only zeros, or is at least 1e12, is
+/// written with a power of ten. Values below 1e-12 are rounding errors and are written as 0.
 pub fn fixed(number: f64, digits: usize) -> String {
     let size = number.abs();
     let least = 0.5 * 0.1_f64.powi(digits as i32);
@@ -190,14 +191,15 @@ pub fn fixed(number: f64, digits: usize) -> String {
     if has_power { format!("{number:.4e}") } else { format!("{number:.digits$}") }
 }
 
-/// Writes a number with at most six significant digits, and with a power of ten far from 1.
+/// Writes a number with at most six significant digits. A number below 1e-4, or of 1e7 or more, has a power of ten.
 pub fn short(number: f64) -> String {
     written(rounded(number))
 }
 
-/// Writes a positive number as [`short`] does, but rounded up: the minimum of a range is then inside the range.
+/// Writes a positive number as [`short`] does, but rounded up, so that the printed minimum of a range lies inside the
+/// range.
 pub fn short_above(number: f64) -> String {
-    // Half a unit of the last digit is at most 5e-6 of the number.
+    // Rounding changes the number by half a unit of the last digit, which is at most 5e-6 of the number.
     let mut nudged = (0..=6).map(|step: u8| rounded(number * (1.0 + 1e-6 * f64::from(step))));
     written(nudged.find(|rounded| *rounded >= number).unwrap_or(number))
 }

@@ -1,14 +1,15 @@
-"""Writes glasses.txt, the table of built-in glasses: those of the refractiveindex.info database (CC0) and of
+"""Writes glasses.txt, the table of built-in glasses, from the refractiveindex.info database (CC0) and from
 glasses.csv.
 
     python crates/optics/lenses/glasses.py DATABASE SNAPSHOT
 
-DATABASE is the folder `database` of the repository polyanskiy/refractiveindex.info-database; SNAPSHOT names its commit
-and date, for the table's head.
+DATABASE is the folder `database` of the repository polyanskiy/refractiveindex.info-database. SNAPSHOT names the commit
+and date of that repository, for the head of the table.
 
-The database provides the makers' catalogues: every glass with a dispersion formula (all are formulas 1, 2 or 3),
-without glasses that have only measured indices. glasses.csv has, among others, the former glasses of SCHOTT, HOYA and
-SUMITA, those of LZOS and the makers' resins. Each number has the fewest characters that read back to the same double.
+The database provides the makers' catalogues: every glass with a dispersion formula, which is always formula 1, 2 or 3.
+Glasses that have only measured indices are left out. glasses.csv has, among others, the former glasses of SCHOTT, HOYA
+and SUMITA, the glasses of LZOS and the makers' resins. Each number is written with the fewest characters that read back
+to the same double.
 """
 
 from __future__ import annotations
@@ -24,12 +25,12 @@ HERE = Path(__file__).parent
 
 # The database's folders, in the order of preference for a name that several makers use.
 MAKERS = ("schott", "ohara", "hoya", "hikari", "cdgm", "sumita")
-# Plastics from the database, for which glasses.csv has no data of the makers.
+# Plastics taken from the database, because glasses.csv has no data from their makers.
 PLASTICS = {
     "NAS-21": "other/commercial polymers/NAS-21/nk/Sultanova.yml",
     "OPTOREZ1330": "other/commercial polymers/Optorez1330/nk/Sultanova.yml",
 }
-# The keys of glasses.csv: the catalogue's name and the source of the numbers.
+# The keys of glasses.csv, each with the name of the catalogue and the source of the numbers.
 OWN = {
     "T": ("SCHOTT", "SCHOTT's overview of glasses of 2019 on, as the renderer crayg has it (954306)"),
     "S": ("SCHOTT", "SCHOTT.AGF, December 2024, with its old glasses"),
@@ -78,7 +79,7 @@ class Glass:
 
 @dataclass
 class Table:
-    """The table's lines, and its references in order of appearance."""
+    """The lines of the table, and the references of the table in order of appearance."""
 
     glasses: list[Glass] = field(default_factory=list)
 
@@ -136,7 +137,7 @@ def reference_of(text: str) -> str:
 
 
 def entry(path: Path, name: str, catalogue: str) -> Glass | None:
-    """Returns the glass of a page; None if it has no formula."""
+    """Returns the glass that a page describes; None if the page has no formula."""
     text = path.read_text(encoding="utf-8")
     data = re.search(r"type: formula (\d+) *\n +wavelength_range: (\S+) (\S+) *\n +coefficients: (.*)\n", text)
     if not data:
@@ -146,7 +147,7 @@ def entry(path: Path, name: str, catalogue: str) -> Glass | None:
     formula, constants = "s", []
     match int(data[1]):
         case 1 | 2 as kind:
-            # Formula 1 states the resonance wavelength, formula 2 its square.
+            # Formula 1 states the resonance wavelength, formula 2 the square of that wavelength.
             for b, c in pairs:
                 constants += [b, c * c if kind == 1 else c]
             if constant != 0.0:

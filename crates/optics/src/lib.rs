@@ -8,14 +8,14 @@
 //! | [`Prescription`](prescription::Prescription) | the table of a lens: radii, distances, glasses, diameters | [`prescription`] |
 //! | [`GlassLibrary`](prescription::GlassLibrary) | glasses by name, with their dispersion | [`prescription::glass`] |
 //! | [`Lens`](lens::Lens) | a prescription at one wavelength and stop | [`lens`] |
-//! | [`FirstOrder`](lens::first_order::FirstOrder) | its focal length and principal planes | [`lens`] |
+//! | [`FirstOrder`](lens::first_order::FirstOrder) | the focal length and principal planes of a lens | [`lens`] |
 //! | [`Path`](trace::Path) | a lens made ready for exact rays in one direction | [`trace`] |
-//! | [`Walk`](trace::Walk) | a ray as far as it gets, with the reason if it is blocked | [`trace`] |
+//! | [`Walk`](trace::Walk) | a ray traced as far as it gets, with the reason if it is blocked | [`trace`] |
 //! | [`AxialBeam`](imaging::axial_beam::AxialBeam) | the rays of a distant axial point that pass the lens | [`imaging`] |
 //! | [`Focus`](imaging::focus::Focus) | film distances and the planes in focus | [`imaging`] |
 //! | [`open`](imaging::open) | opens a lens at a wavelength, stop, zoom and focus | [`imaging`] |
 //!
-//! It depends on `base`; `trace`, `light` and `camera` depend on it.
+//! This crate depends on `base`; `trace`, `light` and `camera` depend on this crate.
 //!
 //! ```
 //! use realistic_optics::imaging::focus::{Focus, FocusError};
@@ -33,7 +33,7 @@
 //!
 //! Lens space has its origin at the vertex of the first surface and +z toward the scene, in millimetres.
 //!
-//! Only the public interface of the crate `realistic` is stable; this one may change in any version.
+//! Only the public interface of the crate `realistic` is stable; this crate may change in any version.
 
 #![forbid(unsafe_code)]
 

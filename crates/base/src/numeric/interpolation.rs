@@ -1,9 +1,10 @@
-//! Curves through tabulated points: a smooth one that rises and falls only where the points do ([`Monotone`]), and a
+//! Curves through tabulated points: a smooth curve that rises and falls only where the points do ([`Monotone`]), and a
 //! polyline ([`on_broken_line`]).
 //!
 //! [`Monotone`] is piecewise cubic Hermite interpolation (F. N. Fritsch and R. E. Carlson, *SIAM J. Numer. Anal.* 17
-//! (1980), 238-246) with the slopes of F. N. Fritsch and J. Butland, *SIAM J. Sci. Stat. Comput.* 5 (1984), 300-304,
-//! and at the ends the three-point formula of C. Moler, *Numerical Computing with MATLAB* (2004), §3.6.
+//! (1980), 238-246). The slopes at inner points are those of F. N. Fritsch and J. Butland, *SIAM J. Sci. Stat. Comput.*
+//! 5 (1984), 300-304. The slopes at the ends follow the three-point formula of C. Moler, *Numerical Computing with
+//! MATLAB* (2004), §3.6.
 
 /// A smooth curve through points. Its derivative is continuous everywhere; beyond its ends it continues as a straight
 /// line.
@@ -15,8 +16,8 @@ pub struct Monotone {
 }
 
 impl Monotone {
-    /// Builds the curve through the points (`x`, `y`): at least one, with finite coordinates and `x` strictly
-    /// ascending. Both vectors have the same length.
+    /// Builds the curve through the points (`x`, `y`). There must be at least one point, the coordinates must be
+    /// finite, and `x` must be strictly ascending. Both vectors have the same length.
     pub fn new(x: Vec<f64>, y: Vec<f64>) -> Self {
         let steps: Vec<f64> = x.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let secants: Vec<f64> =
@@ -36,12 +37,12 @@ impl Monotone {
         Self { x, y, slopes }
     }
 
-    /// Returns the least value at the points. It is also the minimum of the curve between its ends.
+    /// Returns the least value at the points, which is also the minimum of the curve between its ends.
     pub fn least(&self) -> f64 {
         self.y.iter().copied().fold(f64::INFINITY, f64::min)
     }
 
-    /// Returns the value at `x`; at a given point it is exact to the last bit.
+    /// Returns the value at `x`. At a tabulated point the value is exact to the last bit.
     pub fn at(&self, x: f64) -> f64 {
         // The last point that lies at or before `x`.
         let before = self.x.partition_point(|point| *point <= x).saturating_sub(1);
@@ -57,7 +58,8 @@ impl Monotone {
     }
 }
 
-/// Returns the slope at an inner point: the harmonic mean of the secants, weighted by the steps; 0 at an extremum.
+/// Returns the slope at an inner point: the harmonic mean of the two secants, weighted by the steps, or 0 at an
+/// extremum.
 fn inner([before, after]: [f64; 2], [left, right]: [f64; 2]) -> f64 {
     if left * right <= 0.0 {
         return 0.0;
@@ -66,8 +68,8 @@ fn inner([before, after]: [f64; 2], [left, right]: [f64; 2]) -> f64 {
     (a + b) / (a / left + b / right)
 }
 
-/// Returns the slope at an end from the two steps and secants next to it: a parabola's, limited so that the curve stays
-/// monotone.
+/// Returns the slope at an end from the two nearest steps and secants: that of a parabola, limited so that the curve
+/// stays monotone.
 fn end([first, second]: [f64; 2], [near, far]: [f64; 2]) -> f64 {
     let slope = ((2.0 * first + second) * near - first * far) / (first + second);
     if slope * near <= 0.0 {
@@ -79,8 +81,8 @@ fn end([first, second]: [f64; 2], [near, far]: [f64; 2]) -> f64 {
     }
 }
 
-/// Returns y at `x` on the polyline through `points`: at least one pair (x, y), with x ascending. The first and the
-/// last segment extend beyond the ends.
+/// Returns y at `x` on the polyline through `points`, which are one or more pairs (x, y) with ascending x. The first
+/// and the last segment extend beyond the ends.
 pub fn on_broken_line(points: &[[f64; 2]], x: f64) -> f64 {
     let next = points.partition_point(|[point_x, _]| *point_x <= x).clamp(1, points.len().max(2) - 1);
     let [from, first] = points[next - 1];
@@ -95,7 +97,7 @@ mod tests {
 
     #[test]
     fn the_curve_is_that_of_another_program() {
-        // SciPy 1.17, PchipInterpolator([0, 1, 3, 4], [0, 2, 2.5, 7]).
+        // Reference values from SciPy 1.17, PchipInterpolator([0, 1, 3, 4], [0, 2, 2.5, 7]).
         let curve = Monotone::new(vec![0.0, 1.0, 3.0, 4.0], vec![0.0, 2.0, 2.5, 7.0]);
         for (x, y) in SCIPY {
             assert!((curve.at(x) - y).abs() < 1e-14, "{x}: {} is not {y}", curve.at(x));
@@ -116,7 +118,7 @@ mod tests {
         assert_eq!(x.map(|x| curve.at(x)), y);
         let slope = (curve.at(0.1) - curve.at(-0.9)) / 1.0;
         assert!((curve.at(0.1 + 1e-7) - curve.at(0.1) - 1e-7 * slope).abs() < 1e-12);
-        // A level end stays level.
+        // A curve that ends with slope 0 continues with slope 0.
         assert_eq!(curve.at(7.0), 0.2);
         assert_eq!(Monotone::new(vec![2.0], vec![5.0]).at(-3.0), 5.0);
         let line = Monotone::new(vec![1.0, 3.0], vec![5.0, 9.0]);

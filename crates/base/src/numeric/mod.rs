@@ -4,7 +4,7 @@
 //! | task | function or type | method |
 //! |---|---|---|
 //! | root in a bracket | [`root`] | Brent and Dekker |
-//! | edge of a condition | [`edge`] | bisection, to the last bit |
+//! | point where a condition changes | [`edge`] | bisection, to the last bit |
 //! | minimum in a bracket | [`minimum`] | golden section |
 //! | integral over [0, 1] | [`gauss_legendre`] | 16-point Gauss-Legendre |
 //! | interpolation of tabulated points | [`Monotone`], [`on_broken_line`] | monotone cubic Hermite; piecewise linear |

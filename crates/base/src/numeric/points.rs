@@ -2,7 +2,7 @@
 //! Stegun, *Handbook of Mathematical Functions*, §25.4), and the low-discrepancy sequence of an additive recurrence,
 //! which needs no table and no seed.
 
-/// Returns nodes and weights on [0, 1] of the 16-point Gauss-Legendre rule (Abramowitz and Stegun, table 25.4),
+/// Returns the nodes and weights on [0, 1] of the 16-point Gauss-Legendre rule (Abramowitz and Stegun, table 25.4),
 /// computed by Newton's iteration on the Legendre recurrence.
 pub fn gauss_legendre() -> [(f64, f64); GAUSS_POINTS] {
     let n = GAUSS_POINTS as f64;
@@ -25,9 +25,9 @@ pub fn gauss_legendre() -> [(f64, f64); GAUSS_POINTS] {
 /// Number of points of the quadrature.
 pub const GAUSS_POINTS: usize = 16;
 
-/// Steps of an additive recurrence: the fractional parts of their multiples fill the four-dimensional unit cube evenly.
-/// They are the powers of 1/g, g > 1 with g^5 = g + 1 (M. Roberts, "The Unreasonable Effectiveness of Quasirandom
-/// Sequences", 2018).
+/// Steps of an additive recurrence. The fractional parts of the multiples of these four numbers fill the
+/// four-dimensional unit cube evenly. The steps are the powers of 1/g, where g > 1 satisfies g^5 = g + 1 (M. Roberts,
+/// "The Unreasonable Effectiveness of Quasirandom Sequences", 2018).
 pub const STEPS: [f64; 4] =
     [0.856_674_883_854_502_9, 0.733_891_856_627_126, 0.628_706_721_037_808_7, 0.538_597_257_225_901_9];
 

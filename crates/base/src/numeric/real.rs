@@ -1,9 +1,9 @@
-//! The number types of ray tracing, under one trait: f64 and f32, and wider ones of the laboratory. Also vectors of
-//! three components, with products and lengths that keep digits that a plain expression would lose.
+//! One trait for the number types of ray tracing: f64, f32, and the wider types of the laboratory. Also vectors of
+//! three components, with products and lengths that keep digits which a plain expression would lose.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A real number type: `f64`, `f32`, and any other that a test or report traces with.
+/// A real number type: `f64`, `f32`, and any other type with which a test or report traces rays.
 pub trait Real:
     Copy
     + PartialOrd
@@ -19,11 +19,11 @@ pub trait Real:
     const ONE: Self;
     /// The distance from 1 to the next larger number, in double precision.
     const EPSILON: f64;
-    /// Returns the nearest number of this type.
+    /// Returns the number of this type that is nearest to `number`.
     fn from_f64(number: f64) -> Self;
-    /// Returns the nearest double.
+    /// Returns the nearest double-precision number.
     fn to_f64(self) -> f64;
-    /// Returns the square root, NaN below 0.
+    /// Returns the square root; NaN for a negative number.
     #[must_use]
     fn sqrt(self) -> Self;
 }
@@ -72,8 +72,8 @@ pub fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
     a.mul_add(b, -product) + error
 }
 
-/// Scales a very long or very short vector by a power of two, so that its products with lengths neither overflow nor
-/// underflow.
+/// Scales a very long or very short vector by a power of two, so that products of its components with lengths neither
+/// overflow nor underflow.
 pub fn in_range(v: [f64; 3]) -> [f64; 3] {
     const FAR_OUT: f64 = f64::from_bits((1023 + 400) << 52);
     const BACK: f64 = f64::from_bits((1023 + 600) << 52);

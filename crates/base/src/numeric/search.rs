@@ -1,9 +1,9 @@
-//! Searches in a bracket of one variable: for a root of a continuous function, in few evaluations; for the edge of a
-//! condition, which has no values to interpolate; and for a minimum.
+//! Searches of one variable within a bracket: for a root of a continuous function, in few evaluations; for the point
+//! where a condition changes, which has no values to interpolate; and for a minimum.
 
-/// Returns the point of `[inside, outside]` up to which `holds`, by bisection to `width` (0: to the last bit).
-/// The caller ensures that `holds` is true at `inside` and false at `outside`. If it changes more than once, the result
-/// is one of the changes. If an end is NaN, the result is `inside`.
+/// Returns the point of `[inside, outside]` up to which `holds` is true, found by bisection to a width of `width` (0:
+/// to the last bit). The caller ensures that `holds` is true at `inside` and false at `outside`. If `holds` changes
+/// more than once, the result is one of the changes. If an end is NaN, the result is `inside`.
 pub fn edge(mut inside: f64, mut outside: f64, width: f64, holds: impl Fn(f64) -> bool) -> f64 {
     loop {
         let middle = f64::midpoint(inside, outside);
@@ -15,19 +15,20 @@ pub fn edge(mut inside: f64, mut outside: f64, width: f64, holds: impl Fn(f64) -
     }
 }
 
-/// Returns a root of the continuous function `f` between `a` and `b`, where it has opposite signs or is 0 at one, by
-/// the method of Brent and Dekker (R. P. Brent, *Algorithms for Minimization without Derivatives*, 1973, ch. 4,
-/// `zero`): inverse quadratic or linear interpolation if that closes the bracket fast enough, else bisection.
+/// Returns a root of the continuous function `f` between `a` and `b`. The values of `f` at `a` and `b` have opposite
+/// signs, or one of them is 0. The method is that of Brent and Dekker (R. P. Brent, *Algorithms for Minimization
+/// without Derivatives*, 1973, ch. 4, `zero`): inverse quadratic or linear interpolation if that closes the bracket
+/// fast enough, otherwise bisection.
 ///
-/// The bracket closes to two units in the last place of the root. The search never leaves `[a, b]`. It takes at most
-/// about the square of the number of steps of bisection; a smooth function takes some seven evaluations. If the signs
-/// are not opposite, or a value is NaN, the result is the best point so far.
+/// The bracket closes to two units in the last place of the root. The search never leaves `[a, b]`. The number of steps
+/// is at most about the square of the number that bisection would need; a smooth function needs about seven
+/// evaluations. If the signs are not opposite, or a value is NaN, the result is the best point so far.
 pub fn root(a: f64, b: f64, f: impl Fn(f64) -> f64) -> f64 {
-    // Brent's letters: b is the best point, c the other end of the bracket, a the previous best point.
+    // The letters are Brent's: b is the best point, c the other end of the bracket, a the previous best point.
     let (mut a, mut b) = (a, b);
     let (mut fa, mut fb) = (f(a), f(b));
     let (mut c, mut fc) = (a, fa);
-    // The last step, and the one before it.
+    // The last step, and the step before it.
     let (mut step, mut before) = (b - a, b - a);
     loop {
         if fc.abs() < fb.abs() {
@@ -36,7 +37,7 @@ pub fn root(a: f64, b: f64, f: impl Fn(f64) -> f64) -> f64 {
         }
         let least = f64::EPSILON * b.abs() + f64::MIN_POSITIVE;
         let half = 0.5 * (c - b);
-        // A bracket with NaN at an end, or with the same sign at both, cannot be closed.
+        // A bracket with NaN at an end, or with the same sign at both ends, cannot be closed.
         if !(half.abs() > least && half.is_finite() && fb != 0.0 && (fb < 0.0) != (fc < 0.0)) {
             return b;
         }
@@ -71,8 +72,8 @@ pub fn root(a: f64, b: f64, f: impl Fn(f64) -> f64) -> f64 {
     }
 }
 
-/// Returns the argument at which a function with one minimum in `[a, b]` is least, to `tolerance` relative to the
-/// bracket, by golden section (W. H. Press et al., *Numerical Recipes*, 3rd ed., §10.2).
+/// Returns the argument at which a function with one minimum in `[a, b]` is least. The search is by golden section (W.
+/// H. Press et al., *Numerical Recipes*, 3rd ed., §10.2), until the bracket has shrunk to `tolerance` of its width.
 pub fn minimum(mut a: f64, mut b: f64, tolerance: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
     let golden = (5.0_f64.sqrt() - 1.0) / 2.0;
     let stop = (b - a) * tolerance;

@@ -1,14 +1,14 @@
-//! The axial beam by exact rays: its width and the surface that limits it. From these follow the f-number, the pupils,
-//! the stop's diameter for an f-number, and the cone of light at the film's centre.
+//! The axial beam, traced with exact rays: its width and the surface that limits it. The f-number, the pupils, the stop
+//! diameter that gives an f-number, and the cone of light at the film's centre follow from these.
 //!
-//! Code that needs a pupil or an f-number takes the result, an [`AxialBeam`].
+//! Code that needs a pupil or an f-number uses the result, an [`AxialBeam`].
 //!
-//! First-order optics finds the aperture stop by the smallest image of all apertures (W. J. Smith, *Modern Optical
-//! Engineering*, on stops and pupils). In a fast lens a real ray is lower or higher at a surface than the paraxial one,
+//! First-order optics takes the aperture with the smallest image as the aperture stop (W. J. Smith, *Modern Optical
+//! Engineering*, on stops and pupils). In a fast lens a real ray is lower or higher at a surface than the paraxial ray,
 //! and another aperture may limit the beam. Here the limiting aperture is the one that blocks the first ray outside the
 //! beam. The pupils lie where first-order optics images that aperture. The entrance pupil is as wide as the beam, so
-//! that the f-number is the focal length over its diameter; the exit pupil is larger or smaller by the magnification
-//! between the pupils.
+//! that the f-number is the focal length divided by the diameter of the entrance pupil. The exit pupil is larger or
+//! smaller than the entrance pupil by the magnification between the two.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -24,21 +24,22 @@ use realistic_base::numeric::edge;
 /// The beam of a distant point on the axis, and its pupils.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxialBeam {
-    /// Index of the surface that limits the beam, counted from the scene: the one whose aperture clips the first ray
-    /// outside it, or at which that ray ends for another reason.
+    /// Index, counted from the scene, of the surface that limits the beam. Either the aperture of this surface clips
+    /// the first ray outside the beam, or that ray ends at this surface for another reason.
     pub limiting: usize,
-    /// Image of that surface's aperture by the glass in front of it, as wide as the beam.
+    /// Image of the limiting surface's aperture, formed by the glass in front of it. The image is as wide as the beam.
     pub entrance: EntrancePupil,
-    /// Image of that surface's aperture by the glass behind it.
+    /// Image of the limiting surface's aperture, formed by the glass behind it.
     pub exit: ExitPupil,
-    /// Diameter of the entrance pupil by first-order optics alone, mm: that of the smallest image of any aperture.
+    /// Diameter of the entrance pupil by first-order optics alone, mm: the diameter of the smallest image of any
+    /// aperture.
     pub paraxial_diameter: f64,
 }
 
 impl AxialBeam {
-    /// Traces the rays parallel to the axis. The beam reaches to the outermost ray that gets through, even if some rays
-    /// inside it are blocked. If no ray gets through, the diameter is 0 and the pupils are those of first-order optics
-    /// alone.
+    /// Traces the rays parallel to the axis. The beam extends to the outermost ray that gets through, even if some rays
+    /// nearer to the axis are blocked. If no ray gets through, the diameter is 0 and the pupils are those of
+    /// first-order optics alone.
     pub fn of(lens: &Lens) -> Self {
         let images: Vec<f64> = (0..lens.surfaces.len())
             .map(|surface| EntrancePupil::of_surface(lens, surface).diameter())
@@ -57,7 +58,7 @@ impl AxialBeam {
         }
     }
 
-    /// Whether no ray parallel to the axis gets through.
+    /// Returns whether no ray parallel to the axis gets through.
     pub fn is_dark(&self) -> bool {
         self.diameter() == 0.0
     }
@@ -67,27 +68,27 @@ impl AxialBeam {
         self.entrance.diameter()
     }
 
-    /// Returns the f-number of a lens of this focal length, mm of either sign: focal length over the beam's diameter.
-    /// Infinite for an afocal or a dark lens.
+    /// Returns the f-number of a lens: the focal length (mm, of either sign) divided by the diameter of the beam. The
+    /// f-number of an afocal or a dark lens is infinite.
     pub fn fnumber(&self, focal_length: f64) -> f64 {
         focal_length.abs() / self.diameter()
     }
 
-    /// Returns the f-number by first-order optics alone: focal length over [`AxialBeam::paraxial_diameter`].
+    /// Returns the f-number by first-order optics alone: the focal length divided by [`AxialBeam::paraxial_diameter`].
     pub fn paraxial_fnumber(&self, focal_length: f64) -> f64 {
         focal_length.abs() / self.paraxial_diameter
     }
 }
 
-/// Returns the index of the surface whose centre chief rays cross: the stop or, in a lens without one, the surface that
-/// limits the axial beam.
+/// Returns the index of the surface whose centre the chief rays pass through: the stop or, in a lens without a stop,
+/// the surface that limits the axial beam.
 pub fn stop_or_limiting(lens: &Lens) -> usize {
     lens.stop_index().unwrap_or_else(|| AxialBeam::of(lens).limiting)
 }
 
-/// Returns the clear semi-diameter of surface `surface`, mm, that makes the axial beam `diameter` mm wide: the height
-/// there of the ray that enters at half that distance from the axis. If that ray does not exist, the result is that of
-/// first-order optics.
+/// Returns the clear semi-diameter, mm, of surface `surface` that makes the axial beam `diameter` mm wide. This is the
+/// height at that surface of the ray that enters the lens at a distance of `diameter / 2` from the axis. If that ray
+/// does not reach the surface, the result is that of first-order optics.
 pub fn semi_diameter_for_beam(lens: &Lens, surface: usize, diameter: f64) -> f64 {
     let mut height = None;
     let start = in_front(lens);
@@ -99,9 +100,9 @@ pub fn semi_diameter_for_beam(lens: &Lens, surface: usize, diameter: f64) -> f64
     height.filter(|height| *height > 0.0).unwrap_or_else(first_order)
 }
 
-/// Traces the rays of the film's centre at z = `film` (lens space, mm) to the outermost that gets through. Returns the
-/// index of the surface that limits this cone of light, counted from the scene, and the tangent of its half angle;
-/// `None` if the centre is dark.
+/// Traces rays from the film's centre, at z = `film` (lens space, mm), and finds the outermost ray that gets through.
+/// Returns the index of the surface that limits this cone of light, counted from the scene, and the tangent of the
+/// cone's half angle; `None` if the centre is dark.
 pub fn axial_cone(lens: &Lens, film: f64) -> Option<(usize, f64)> {
     let rear = lens.rear();
     let [nearest, _] = rear.sagitta_range();
@@ -115,15 +116,15 @@ pub fn axial_cone(lens: &Lens, film: f64) -> Option<(usize, f64)> {
     Some((limiting, angle.tan()))
 }
 
-/// Number of equal steps in the search for the outermost ray, from the edge inward. Rays that get through only within a
-/// narrower annulus may be missed.
+/// Number of equal steps in the search for the outermost ray, from the edge inward. Rays that get through only within
+/// an annulus narrower than a step may be missed.
 const STEPS: u32 = 256;
-/// Number of halvings of the innermost step after that: a stop may be a pinhole.
+/// Number of times that the innermost step is then halved, because a stop may be a pinhole.
 const HALVINGS: i32 = 64;
 
-/// Searches the rays with parameters from 0, the axis, to `most` for the outermost that gets through; none beyond
-/// `most` does. Returns the surface that stops the next ray, counted from the scene, and the parameter of the
-/// outermost.
+/// Searches the rays with parameters from 0, the axis, to `most` for the outermost ray that gets through. No ray beyond
+/// `most` gets through. Returns the index, counted from the scene, of the surface that stops the next ray outward, and
+/// the parameter of the outermost ray.
 fn outermost(path: &Path, most: f64, ray: impl Fn(f64) -> Ray) -> Option<(usize, f64)> {
     let passes = |size: f64| path.trace(ray(size)).is_ok();
     let equal = (1..=STEPS).rev().map(|i| most * (f64::from(i) / f64::from(STEPS)));
@@ -139,7 +140,7 @@ fn outermost(path: &Path, most: f64, ray: impl Fn(f64) -> Ray) -> Option<(usize,
     None
 }
 
-/// Returns the surface that stops a ray, counted from the scene.
+/// Returns the index, counted from the scene, of the surface that stops a ray.
 fn stopped_at(path: &Path, ray: Ray) -> usize {
     let walk = path.walk(ray);
     let last = path.surfaces() - 1;
@@ -155,7 +156,7 @@ fn stopped_at(path: &Path, ray: Ray) -> usize {
     }
 }
 
-/// Returns z of a plane in front of the whole lens, mm.
+/// Returns the z coordinate of a plane in front of the whole lens, mm.
 pub(super) fn in_front(lens: &Lens) -> f64 {
     lens.surfaces.iter().map(|surface| surface.vertex + surface.sagitta_range()[1]).fold(0.0, f64::max)
 }
@@ -167,7 +168,7 @@ mod tests {
 
     #[test]
     fn a_stop_is_sized_whatever_its_size_was() {
-        // A beam wider than the spheres: its outermost ray does not exist.
+        // The beam is wider than the spheres, so that its outermost ray does not exist.
         let lens = read("t", b"20 5 1.5 30\n-20 1 1 30\n0 40 0 8\n").expect("a lens");
         let mut lens = Lens::at_d_line(&lens);
         let sized = [4.0, 0.3, 1.0 / 7.0].map(|size| {

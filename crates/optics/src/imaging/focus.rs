@@ -1,19 +1,20 @@
 //! Focus and depth of field: the film distance that images an object at a given distance sharply, and the range of
 //! distances that are then sharp enough.
 //!
-//! **Best image.** [`AxialImage`] traces the bundle of a point on the axis, uniform over the entrance pupil, by exact
-//! rays. The best image is the plane where the bundle has its smallest RMS radius.
+//! **Best image.** [`AxialImage`] traces the bundle of rays from a point on the axis as exact rays, distributed
+//! uniformly over the entrance pupil. The best image lies in the plane where the bundle has its smallest RMS radius.
 //!
-//! **Focus.** An object's position is stored as u = 1/(z - F), where F is the scene-side focal point: by Newton's
+//! **Focus.** An object's position is stored as u = 1/(z - F), where F is the scene-side focal point. By Newton's
 //! equation the paraxial image distance is linear in u, and infinity is simply u = 0. b(u) is the distance of the best
-//! image. Distances are counted from the film plane, which moves: D(u) = F + 1/u - z' + b(u), where z' is the last
-//! vertex. D has one minimum, near u = 1/f; a lens focuses on the branch from infinity to that minimum.
+//! image from the last vertex. Object distances are counted from the film plane, which moves, so that D(u) = F + 1/u -
+//! z' + b(u), where z' is the z of the last vertex. D has one minimum, near u = 1/f; a lens focuses on the branch from
+//! infinity to that minimum.
 //!
-//! **Depth of field.** The range of distances in which the blur of an axial point on the film stays below a circle of
-//! confusion. It is computed by the thick lens with its entrance pupil. With the entrance pupil's diameter D and the
-//! plane in focus at distance s from it, a point at s₁ is blurred, in the plane in focus, to D |s₁ - s|/s₁; on the film
-//! the blur is that times the magnification (H. Gross, ed., *Handbook of Optical Systems* 1, §10.5; the similar
-//! triangles of the lecture give the same).
+//! **Depth of field.** This is the range of object distances in which the blur of an axial point on the film stays
+//! below a circle of confusion. It is computed from the thick lens and its entrance pupil. Let D be the diameter of the
+//! entrance pupil, and s the distance of the plane in focus from that pupil. A point at the distance s₁ is blurred, in
+//! the plane in focus, to a disk D |s₁ - s|/s₁ wide. The blur on the film is that width times the magnification (H.
+//! Gross, ed., *Handbook of Optical Systems* 1, §10.5; the similar triangles of the lecture give the same result).
 
 use thiserror::Error;
 
@@ -27,12 +28,12 @@ use realistic_base::{
     numeric::{GAUSS_POINTS, edge, gauss_legendre, minimum, root},
 };
 
-/// A lens prepared to trace bundles of axial points.
+/// A lens prepared for tracing the ray bundles of axial points.
 #[derive(Clone, Debug)]
 pub struct AxialImage {
     entrance: EntrancePupil,
     path: Path,
-    /// z of a plane in front of the whole lens.
+    /// The z coordinate of a plane in front of the whole lens.
     start: f64,
     rear_vertex: f64,
     rule: [(f64, f64); GAUSS_POINTS],
@@ -44,14 +45,14 @@ pub struct BestImage {
     /// Distance from the last vertex, mm: negative if the image is virtual or in the lens, infinite if the bundle
     /// leaves the lens parallel.
     pub distance: f64,
-    /// RMS radius of the bundle there, mm.
+    /// RMS radius of the bundle in that plane, mm.
     pub spot: f64,
-    /// Largest fraction of the entrance pupil's radius that gets through.
+    /// Largest fraction of the entrance pupil's radius at which rays get through.
     pub margin: f64,
 }
 
 impl AxialImage {
-    /// Prepares a lens with this entrance pupil.
+    /// Prepares a lens with this entrance pupil for tracing.
     pub fn of(lens: &Lens, entrance: EntrancePupil) -> Self {
         Self {
             entrance,
@@ -62,7 +63,8 @@ impl AxialImage {
         }
     }
 
-    /// Returns the best image of the axial point 1/`vergence` mm in front of the first vertex (0: at infinity).
+    /// Returns the best image of the axial point 1/`vergence` mm in front of the first vertex. A vergence of 0 stands
+    /// for a point at infinity.
     pub fn best(&self, vergence: f64) -> BestImage {
         let passes = |fraction: f64| self.image_side(vergence, fraction).is_some();
         let mut blocked = 1.0;
@@ -72,7 +74,7 @@ impl AxialImage {
         let [low, high] = self.around_the_edge(vergence, blocked, passes).unwrap_or([0.0, blocked]);
         let margin =
             edge(0.0, blocked, 0.0, |fraction| fraction <= low || fraction < high && passes(fraction));
-        // Uniform sampling of the pupil is uniform in the square of the fraction.
+        // A uniform sampling of the pupil's area is uniform in the square of the fraction.
         let (mut heights, mut product, mut square) = (0.0, 0.0, 0.0);
         for (area, weight) in self.rule {
             if let Some((height, slope)) = self.image_side(vergence, margin * area.sqrt()) {
@@ -85,11 +87,11 @@ impl AxialImage {
         BestImage { distance, spot: (heights + distance * product).max(0.0).sqrt(), margin }
     }
 
-    /// Brackets the fraction of the entrance pupil's radius, below `blocked`, at which rays begin to be clipped: the
-    /// first end gets through, the second does not. Bisection then needs to search only between them. `None` if no
-    /// bracket is found.
+    /// Brackets the fraction of the entrance pupil's radius, below `blocked`, at which rays begin to be clipped. A ray
+    /// at the first end of the bracket gets through, and a ray at the second end does not. Bisection then needs to
+    /// search only between the two ends. `None` if no bracket is found.
     fn around_the_edge(&self, vergence: f64, blocked: f64, passes: impl Fn(f64) -> bool) -> Option<[f64; 2]> {
-        /// Relative half widths of the bracket about the root of the excess.
+        /// Half widths of the bracket around the root of the excess, relative to that root.
         const WIDTHS: [f64; 2] = [1e-14, 1e-12];
         if !self.excess(vergence, blocked).is_finite() {
             return None;
@@ -100,8 +102,9 @@ impl AxialImage {
         WIDTHS.map(around).into_iter().find(brackets)
     }
 
-    /// Returns the maximum ratio of height to clear semi-diameter, minus 1, of the ray aimed at `fraction` of the
-    /// entrance pupil's radius; infinite if it ends inside all apertures.
+    /// Returns the maximum, over the surfaces, of the ratio of height to clear semi-diameter, minus 1, for the ray
+    /// aimed at `fraction` of the entrance pupil's radius. The result is infinite if the ray ends although it is inside
+    /// all apertures.
     fn excess(&self, vergence: f64, fraction: f64) -> f64 {
         let (height, slope) = self.entrance.marginal_ray(vergence, fraction);
         let mut most = 0.0_f64;
@@ -117,8 +120,8 @@ impl AxialImage {
         if through || most > 1.0 { most.sqrt() - 1.0 } else { f64::INFINITY }
     }
 
-    /// Returns the height in the rear vertex plane and slope dy/ds, s toward the film, of the ray from the axial point
-    /// of this vergence to `fraction` of the entrance pupil's radius.
+    /// Returns the height and the slope, in the plane of the rear vertex, of the ray from the axial point of this
+    /// vergence to `fraction` of the entrance pupil's radius. The slope is dy/ds, where s points toward the film.
     fn image_side(&self, vergence: f64, fraction: f64) -> Option<(f64, f64)> {
         let (height, slope) = self.entrance.marginal_ray(vergence, fraction);
         let origin = [0.0, height - slope * self.start, self.start];
@@ -154,18 +157,19 @@ pub enum FocusError {
         distance: f64,
         /// Nearest distance in reach, mm.
         nearest: f64,
-        /// Film distance at that distance, mm.
+        /// Film distance for that nearest object distance, mm.
         film_distance: f64,
     },
 }
 
-/// Maximum depth of the image inside the glass, as a fraction of the focal length, for which film is placed right
-/// behind the last vertex (field flatteners): at f/1.4 that blurs by half a circle of confusion.
+/// Maximum depth of the image inside the glass, as a fraction of the focal length, at which the film is placed directly
+/// behind the last vertex, as behind a field flattener. At f/1.4 this causes a blur of half a circle of confusion.
 const TOUCHING: f64 = 1e-3;
-/// Distance of that film from the vertex, in focal lengths: less than any lens's depth of focus.
+/// Distance of such a film from the last vertex, as a fraction of the focal length: less than any lens's depth of
+/// focus.
 const NEAREST_FILM: f64 = 1e-5;
 
-/// The focusing of one lens at its stop and wavelength.
+/// The focusing of one lens at the stop and wavelength of that lens.
 #[derive(Clone, Debug)]
 pub struct Focus {
     lens: String,
@@ -175,7 +179,7 @@ pub struct Focus {
     at_infinity: BestImage,
 }
 
-/// An object distance and the film distance that focuses it, both mm.
+/// An object distance and the film distance at which the object is in focus, both mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conjugates {
     /// Distance from the film plane to the object, along the axis.
@@ -185,7 +189,7 @@ pub struct Conjugates {
 }
 
 impl Focus {
-    /// Prepares focusing by a lens; computes its cardinal points and axial beam.
+    /// Prepares a lens for focusing; computes its cardinal points and axial beam.
     ///
     /// # Errors
     /// See [`Focus::of`].
@@ -193,10 +197,10 @@ impl Focus {
         Self::of(lens, FirstOrder::of(lens)?, &AxialBeam::of(lens))
     }
 
-    /// Prepares focusing by a lens with these cardinal points and this axial beam.
+    /// Prepares a lens with these cardinal points and this axial beam for focusing.
     ///
     /// # Errors
-    /// The lens is diverging, or passes no ray parallel to its axis.
+    /// The lens is diverging, or no ray parallel to its axis gets through.
     pub fn of(lens: &Lens, first_order: FirstOrder, beam: &AxialBeam) -> Result<Self, FocusError> {
         let focal_length = first_order.focal_length;
         let diverging = || LensError::Diverging { lens: lens.name.clone(), focal_length };
@@ -220,12 +224,12 @@ impl Focus {
     /// # Errors
     /// The plane is nearer than the lens can focus.
     pub fn film_distance(&self, distance: f64) -> Result<f64, FocusError> {
-        // 1 + u (D(u) - 1/u - distance): positive at infinity, negative past the root.
+        // The residual is 1 + u (D(u) - 1/u - distance), which is positive at infinity and negative past the root.
         let residual = |u: f64| 1.0 + u * (self.distance_with(u, 0.0) - distance);
         if distance == f64::INFINITY {
             return Ok(self.behind_the_lens(self.at_infinity.distance));
         }
-        // The end of the paraxial branch nearly always suffices, without a search for the true one.
+        // The end of the paraxial branch nearly always suffices, without a search for the true end.
         let mut end = 1.0 / self.first_order.focal_length;
         if !(residual(end) <= 0.0) {
             end = self.nearest_parameter();
@@ -246,7 +250,7 @@ impl Focus {
     /// limit, 2 f plus the distance between the focal points.
     pub fn paraxial_film_distance(&self, distance: f64) -> Option<f64> {
         let FirstOrder { focal_length: f, front_focal_point, rear_focal_point, .. } = self.first_order;
-        // f² u² - p u + 1 = 0, the smaller root, in the form that does not cancel.
+        // The smaller root of f² u² - p u + 1 = 0, in a form without cancellation.
         let p = distance - (front_focal_point - rear_focal_point);
         let discriminant = p - 4.0 * f * f / p;
         if p == f64::INFINITY {
@@ -258,9 +262,9 @@ impl Focus {
         })
     }
 
-    /// Returns the distance in focus, mm from the film plane, for a film `film_distance` mm behind the last vertex:
-    /// infinity if the film is at or before the image of infinity, `None` if it is farther than the image of any object
-    /// in front of the lens.
+    /// Returns the object distance in focus, mm from the film plane, for a film `film_distance` mm behind the last
+    /// vertex. The distance is infinite if the film lies at or before the image of an object at infinity. The result is
+    /// `None` if the film lies beyond the image of every object in front of the lens.
     pub fn object_distance(&self, film_distance: f64) -> Option<f64> {
         let residual = |u: f64| self.best_image_distance(u) - film_distance;
         if residual(0.0) >= 0.0 {
@@ -283,7 +287,7 @@ impl Focus {
         None
     }
 
-    /// Returns the nearest plane in focus and its film distance.
+    /// Returns the nearest plane that the lens can focus on, and the film distance for it.
     pub fn nearest(&self) -> Conjugates {
         let u = self.nearest_parameter();
         Conjugates {
@@ -302,12 +306,13 @@ impl Focus {
         minimum(0.2 * end.min(highest), highest, 1e-8, |u| self.distance_with(u, u.recip()))
     }
 
-    /// Clamps a film distance to right behind the last vertex.
+    /// Replaces a film distance that is too short, or inside the lens, by that of a film directly behind the last
+    /// vertex.
     fn behind_the_lens(&self, distance: f64) -> f64 {
         distance.max(NEAREST_FILM * self.first_order.focal_length)
     }
 
-    /// Returns D(u) with `beyond_focus` substituted for 1/u.
+    /// Returns D(u) with `beyond_focus` in place of the term 1/u.
     fn distance_with(&self, u: f64, beyond_focus: f64) -> f64 {
         self.first_order.front_focal_point + beyond_focus - self.first_order.rear_vertex
             + self.best_image_distance(u)
@@ -318,15 +323,15 @@ impl Focus {
         self.first_order.focal_length
     }
 
-    /// Returns the sharpness of the best image of the axial point at infinity: RMS radius of the spot, and radius of
-    /// the parallel bundle that forms it, mm.
+    /// Returns the sharpness of the best image of the axial point at infinity: the RMS radius of the spot, and the
+    /// radius of the parallel bundle that forms the spot, mm.
     pub fn axial_spot(&self) -> [f64; 2] {
         let BestImage { spot, margin, .. } = self.at_infinity;
         [spot, margin * self.image.entrance.diameter() / 2.0]
     }
 
-    /// Returns the distance from the last vertex to the plane where the bundle of the axial point u has its smallest
-    /// RMS radius, mm.
+    /// Returns the distance, mm, from the last vertex to the plane where the bundle of the axial point with parameter u
+    /// has its smallest RMS radius.
     fn best_image_distance(&self, u: f64) -> f64 {
         self.best_image(u).distance
     }
@@ -335,27 +340,27 @@ impl Focus {
         if u == 0.0 { self.at_infinity } else { self.image.best(self.vergence(u)) }
     }
 
-    /// Returns the reciprocal of the distance of the axial point u from the first vertex.
+    /// Returns the reciprocal of the distance from the first vertex to the axial point with parameter u.
     fn vergence(&self, u: f64) -> f64 {
         u / (1.0 + u * self.first_order.front_focal_point)
     }
 }
 
-/// The range in focus. Distances are from the film plane along the axis, mm.
+/// The range of object distances in focus. Distances are counted from the film plane along the axis, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepthOfField {
-    /// Nearest distance that is sharp enough.
+    /// Nearest distance at which objects are sharp enough.
     pub near: f64,
-    /// Farthest distance that is sharp enough; may be infinite.
+    /// Farthest distance at which objects are sharp enough; may be infinite.
     pub far: f64,
-    /// Nearest focus distance at which infinity is sharp enough.
+    /// Nearest focus distance at which objects at infinity are sharp enough.
     pub hyperfocal: f64,
 }
 
 impl DepthOfField {
-    /// Computes the range about `focus_distance` (mm from the film, infinity included) for a film `film_distance` mm
-    /// behind the last vertex and a blur of at most `confusion` mm on it. `entrance` is the pupil of the axial beam.
-    /// `None` for a pupil at infinity.
+    /// Computes the range around `focus_distance` (mm from the film, infinity included) for a film `film_distance` mm
+    /// behind the last vertex and a blur of at most `confusion` mm on the film. `entrance` is the entrance pupil of the
+    /// axial beam. Returns `None` for a pupil at infinity.
     ///
     /// # Errors
     /// The lens is afocal.
@@ -374,8 +379,8 @@ impl DepthOfField {
         let from_film = |z: f64| z - film;
         let focal_point = first_order.front_focal_point;
         let hyperfocal = from_film(focal_point + first_order.focal_length * diameter / confusion);
-        // 1/s₁ = (1 ± blur/D)/s, where the blur is the confusion in the plane in focus. Both sides are divided by s, so
-        // that a plane at infinity is no special case.
+        // 1/s₁ = (1 ± blur/D)/s, where the blur is the diameter of the circle of confusion projected into the plane in
+        // focus. The equation is written in reciprocals, so that a plane at infinity is no special case.
         let focus = film + focus_distance;
         let vergence = (focus - pupil).recip();
         let magnification_per_distance = first_order.focal_length / (1.0 + (pupil - focal_point) * vergence);

@@ -9,9 +9,9 @@ use crate::{
 };
 use realistic_base::numeric::{edge, gauss_legendre};
 
-/// Returns the irradiance on the axis for film at `film`, exact except for rounding. The pupil is a disk there (or
-/// annuli), whose edges are found along one radius of at most `reach` in slope; with blades, along several radii from a
-/// corner to the middle of an edge.
+/// Returns the irradiance on the axis for a film at `film`, exact except for rounding. Seen from the axis the pupil is
+/// a disk or annuli, whose edges are found along one radius, up to a slope of `reach`. With blades, the edges are found
+/// along several radii, from the direction of a corner to that of the middle of an edge.
 pub fn on_axis<R: Real>(path: &Path<R>, film: f64, reach: f64) -> f64 {
     let Some((_, blades)) = path.blades() else {
         return along_radius(path, film, reach, 0.0);
@@ -22,7 +22,8 @@ pub fn on_axis<R: Real>(path: &Path<R>, film: f64, reach: f64) -> f64 {
     radii.iter().map(|(at, share)| share * along_radius(path, film, reach, from + at * sector)).sum()
 }
 
-/// Returns [`on_axis`] for a rotationally symmetric pupil with the profile in the direction `azimuth`, in radians.
+/// Returns the irradiance on the axis for a rotationally symmetric pupil whose profile is that of the actual pupil
+/// along the direction `azimuth`, in radians.
 fn along_radius<R: Real>(path: &Path<R>, film: f64, reach: f64, azimuth: f64) -> f64 {
     const SCAN: u32 = 512;
     let (sine, cosine) = azimuth.sin_cos();
@@ -43,19 +44,19 @@ fn along_radius<R: Real>(path: &Path<R>, film: f64, reach: f64, azimuth: f64) ->
     if open { total + disk(reach) } else { total }
 }
 
-/// Results of a grid of rays over a disk of slopes at one film point.
+/// Results of tracing a grid of rays over a disk of slopes at one film point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Survey {
-    /// Irradiance for unit radiance through the whole of the grid.
+    /// Irradiance for unit radiance through the whole grid.
     pub irradiance: f64,
-    /// Part of it that passes through the second disk.
+    /// The part of that irradiance that passes through the second disk.
     pub inside: f64,
-    /// Area in slope of the rays that get through.
+    /// Area, in slope space, covered by the rays that get through.
     pub slope_area: f64,
 }
 
-/// Integrates over `cover` on a square grid of `n` x `n` midpoints, and separately over its part in `within`. The
-/// pupil's edge causes a relative error of about 1/n^1.5.
+/// Integrates over the disk `cover` on a square grid of `n` x `n` midpoints, and separately over the part of `cover`
+/// inside the disk `within`. The edge of the pupil causes a relative error of about 1/n^1.5.
 pub fn survey<R: Real>(
     path: &Path<R>,
     film: f64,

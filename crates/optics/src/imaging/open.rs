@@ -1,6 +1,6 @@
 //! Opens a lens: finds a file or catalogue entry by name, and builds the lens at a wavelength and stop. Also computes
-//! its first-order optics, which scaling needs, and its axial beam, which f-numbers need. Later code takes both from
-//! here.
+//! the first-order optics of the lens, which scaling needs, and its axial beam, which f-numbers need. Later code uses
+//! both of these results.
 
 use thiserror::Error;
 
@@ -20,20 +20,23 @@ pub enum StopSize {
     /// The stop of the prescription.
     #[default]
     Listed,
-    /// A clear diameter of the stop, mm, positive; one wider than the prescription's warns and changes nothing.
+    /// A clear diameter of the stop, mm, positive. A diameter wider than that of the prescription causes a warning and
+    /// changes nothing.
     Diameter(f64),
-    /// An f-number of the axial beam of exact rays, positive; one lower than the lens's warns and changes nothing.
+    /// An f-number of the axial beam of exact rays, positive. An f-number lower than that of the lens causes a warning
+    /// and changes nothing.
     FNumber(f64),
 }
 
-/// Ratio of the smallest stop to the widest. Squares of slopes through it remain well within the range of single
-/// precision.
+/// Smallest allowed ratio of a stop's diameter to its widest diameter. At this ratio the squares of ray slopes through
+/// the stop remain well within the range of single precision.
 const SMALLEST_STOP: f64 = 1e-12;
 
-/// Relative difference from the requested f-number at which a warning is given.
+/// Relative difference between the reached and the requested f-number from which a warning is given.
 const OFF: f64 = 1e-6;
 
-/// Focal length, mm, below which the unit of a lens file is doubted: lenses of endoscopes have 0.3 and more.
+/// Focal length, mm, below which the unit of a lens file is doubted. Endoscope lenses have focal lengths of 0.3 mm and
+/// more.
 const SHORTEST: f64 = 0.1;
 
 /// Reason why a lens cannot be opened.
@@ -55,7 +58,7 @@ pub enum OpenError {
 pub struct OpenLens {
     /// The lens.
     pub lens: Lens,
-    /// The cardinal points of the lens, or the error that it is afocal.
+    /// The cardinal points of the lens, or an error if the lens is afocal.
     pub first_order: Result<FirstOrder, LensError>,
     /// The beam of a distant axial point, with the pupils.
     pub beam: AxialBeam,
@@ -68,11 +71,11 @@ impl OpenLens {
     }
 }
 
-/// Finds and reads the lens of a name, scaled to the focal length that the name may state; glasses are looked up first
-/// in the glass catalogue `glasses`.
+/// Finds and reads the lens of a given name, scaled to a focal length if the name states one. Glasses are looked up
+/// first in the glass catalogue `glasses`.
 ///
 /// # Errors
-/// No such lens or catalogue, a file that is not a lens, or an afocal or a zoom lens to be scaled.
+/// No such lens or catalogue exists, the file is not a lens, or a lens to be scaled is afocal or a zoom lens.
 pub fn find(name: &str, glasses: Option<&str>, search: &SearchPath) -> Result<Prescription, OpenError> {
     let (table, focal_length) = split_scale(name, search)?;
     let mut prescription = load(table, search, glass_library(glasses, search)?)?;
@@ -87,8 +90,9 @@ pub fn find(name: &str, glasses: Option<&str>, search: &SearchPath) -> Result<Pr
     Ok(prescription)
 }
 
-/// Returns a warning if the focal length of a lens, or else of one of its positions, differs from the stated one by
-/// more than a hundredth. A number of the file may then be misprinted, or its diameters, units or signs misinterpreted.
+/// Returns a warning if the focal length of a lens, or else of one of its positions, differs from the stated focal
+/// length by more than a hundredth. A number in the file may then be misprinted, or the diameters, units or signs of
+/// the file may be misinterpreted.
 pub fn misstated(prescription: &Prescription) -> Option<String> {
     let warning = |at: &str, lens: &Prescription, stated: Option<f64>| {
         let stated = stated?;
@@ -112,8 +116,8 @@ pub fn misstated(prescription: &Prescription) -> Option<String> {
     warning("", prescription, prescription.stated_focal_length).or_else(|| (0..columns).find_map(at_position))
 }
 
-/// Builds the lens of a prescription at a wavelength, nm, in
-/// [`VALID_WAVELENGTHS`](crate::prescription::glass::VALID_WAVELENGTHS), and stop. `log` receives warnings.
+/// Builds the lens of a prescription at a stop and a wavelength, nm, which lies in
+/// [`VALID_WAVELENGTHS`](crate::prescription::glass::VALID_WAVELENGTHS). `log` receives warnings.
 ///
 /// # Errors
 /// A glass has no index at the wavelength, or the lens cannot be stopped down as requested.
@@ -231,8 +235,8 @@ fn stop_to_fnumber(lens: &mut Lens, focal_length: f64, number: f64, log: Log<'_>
     Ok(())
 }
 
-/// Warns of the first surfaces whose crossing blocks rays, and reports those that overlap so little that rays are
-/// traced as if the surfaces touched.
+/// Warns of the first two surfaces whose crossing blocks rays. Also reports surfaces that overlap so little that rays
+/// are traced as if the surfaces touched.
 fn report_crossings(lens: &Lens, log: Log<'_>) {
     let crossings = lens.crossings();
     let rows = |crossing: &Crossing| crossing.surfaces.map(|surface| surface + 1);

@@ -1,12 +1,13 @@
-//! The film that brings a plane through three points of the scene into focus: its distance and its tilt (T. Scheimpflug
-//! 1904).
+//! The film that brings a plane through three points of the scene into focus: the distance and the tilt of that film
+//! (T. Scheimpflug 1904).
 //!
-//! First-order optics images points to points and planes to planes: a point at the distance s in front of the front
-//! principal plane has its image s' = f s/(s - f) behind the rear one, reduced by s'/s. The film is the plane through
-//! the images of the three points. For a film tilted by a, the plane of focus is tilted by b, tan b = (s/s') tan a.
+//! First-order optics images points to points and planes to planes. A point at the distance s in front of the front
+//! principal plane has its image at s' = f s/(s - f) behind the rear principal plane, with the magnification s'/s. The
+//! film is the plane through the images of the three points. For a film tilted by a, the plane of focus is tilted by b,
+//! where tan b = (s/s') tan a.
 //!
-//! Exact rays come to focus a little before or behind first-order ones. The film is moved by that difference on the
-//! axis.
+//! Exact rays come to focus a little before or behind first-order rays. The film is moved by the difference found on
+//! the axis.
 
 use thiserror::Error;
 
@@ -19,7 +20,7 @@ use realistic_base::{message::short, numeric::unit};
 pub struct FocusedFilm {
     /// Distance from the last vertex to the film's centre, on the axis, mm.
     pub film_distance: f64,
-    /// Tilt about x and then y, degrees, as the parameters `film_tilt_x` and `film_tilt_y` have it.
+    /// Tilt about x and then about y, degrees, as in the parameters `film_tilt_x` and `film_tilt_y`.
     pub tilt: [f64; 2],
 }
 
@@ -44,9 +45,9 @@ pub enum PlaneError {
     TooNear {
         /// The point, counted from 1.
         number: usize,
-        /// Its z, mm.
+        /// The z coordinate of the point, mm.
         z: f64,
-        /// z of the front focal point, mm.
+        /// The z coordinate of the front focal point, mm.
         least: f64,
     },
     /// The points lie on a line, or in a plane through the axis.
@@ -57,7 +58,7 @@ pub enum PlaneError {
     /// The film would stand in the lens.
     #[error("the plane needs film {} mm behind the last vertex, which is not behind the lens", short(*film_distance))]
     InLens {
-        /// The distance, mm.
+        /// The distance from the last vertex to the film, mm.
         film_distance: f64,
     },
 }
@@ -66,7 +67,8 @@ pub enum PlaneError {
 const LEAST_ANGLE: f64 = 1e-6;
 
 impl FocusedFilm {
-    /// Finds the film for a plane through three points (x, y, z) of lens space, mm, z toward the scene.
+    /// Finds the film for a plane through three points. Their coordinates (x, y, z) are in lens space, mm, with z
+    /// toward the scene.
     ///
     /// # Errors
     /// The lens does not focus, a point has no real image, the points define no plane, or the film would stand in the
@@ -101,8 +103,9 @@ impl FocusedFilm {
     }
 }
 
-/// Returns the distance from the first-order image on the axis at z = `image` to the best image of exact rays, mm away
-/// from the lens; that of infinity if the object of that image does not lie in front of the lens.
+/// Returns the distance from the first-order image on the axis at z = `image` to the best image of exact rays, mm,
+/// positive away from the lens. If the object of that image does not lie in front of the lens, the distance is that for
+/// an object at infinity.
 fn correction(focus: &Focus, lens: &FirstOrder, image: f64) -> f64 {
     let behind = lens.rear_vertex - image;
     let distance = lens.object_distance(behind).unwrap_or(f64::INFINITY);
@@ -113,7 +116,8 @@ fn correction(focus: &Focus, lens: &FirstOrder, image: f64) -> f64 {
     at(distance).or_else(|| at(f64::INFINITY)).unwrap_or(0.0)
 }
 
-/// Returns the normal of a triangle, of any length; `None` if its sides are parallel within an angle of this sine.
+/// Returns a vector of any length normal to a triangle. Returns `None` if two sides of the triangle are parallel: the
+/// sine of the angle between them is at most `least_sine`.
 fn normal([a, b, c]: [[f64; 3]; 3], least_sine: f64) -> Option<[f64; 3]> {
     let side = |to: [f64; 3]| [0, 1, 2].map(|axis| to[axis] - a[axis]);
     let ([ux, uy, uz], [vx, vy, vz]) = (side(b), side(c));
@@ -127,7 +131,7 @@ mod tests {
     use super::*;
     use crate::{lens::Lens, prescription::read};
 
-    /// A thin lens of 50 mm with a small stop.
+    /// Returns a thin lens with a focal length of 50 mm and a small stop.
     fn thin() -> (Focus, FirstOrder) {
         let text = "50 1e-9 1.5 20\n-50 0 0 20\n";
         let lens = Lens::at_d_line(&read("thin", text.as_bytes()).expect("a lens"));

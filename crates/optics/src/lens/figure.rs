@@ -1,18 +1,21 @@
-//! The figure of an aspheric surface: its sagitta and slope, and bounds of both over its clear aperture.
+//! The figure of an aspheric surface: its sagitta and slope, and bounds on both over the clear aperture.
 //!
-//! The input is a prescription's conic and terms with a clear semi-diameter; the results serve first-order optics,
-//! tracing and drawings. z is counted from the vertex plane toward the film, r from the axis, T(r) = Σ `A_i` r^i.
+//! The input is the conic and terms of a prescription with a clear semi-diameter. First-order optics, tracing and
+//! drawings use the results. z is counted from the vertex plane toward the film, r from the axis, and T(r) = Σ `A_i`
+//! r^i.
 //!
-//! **The bounds are proven.** The aperture is cut into annuli. On an annulus of half width h about r a polynomial p is
-//! within |p'(r)| h + B h²/2 of p(r), where B = Σ i (i - 1) |`a_i`| R^(i - 2) at the annulus's outer radius R is at
-//! least |p''| (Taylor's theorem, the remainder bounded term by term). The magnitudes of the conic's sagitta and slope
-//! increase with r, so an annulus's edges bound them; its curvatures are monotonic. The bounds include a margin for
-//! rounding errors, relative to the sum of the terms' magnitudes.
+//! **The bounds are proven.** The aperture is divided into annuli. On an annulus of half width h around r, a polynomial
+//! p differs from p(r) by at most |p'(r)| h + B h²/2. Here B = Σ i (i - 1) |`a_i`| R^(i - 2), with the outer radius R
+//! of the annulus, is an upper bound of |p''| (Taylor's theorem, with the remainder bounded term by term). The
+//! magnitudes of the conic's sagitta and slope increase with r, so their values at the edges of an annulus bound them;
+//! the conic's curvatures are monotonic. The bounds include a margin for rounding errors, relative to the sum of the
+//! terms' magnitudes.
 
 use crate::prescription::{Asphere, FIRST_POWER};
 
-/// An aspheric figure with the rim, the edge of its clear aperture. Beyond the rim T continues as the paraboloid that
-/// touches it there, so that a ray that passes beside the surface still meets it nearby, at a height that clips it.
+/// An aspheric figure with its rim, the edge of the clear aperture. Beyond the rim, T continues as the paraboloid that
+/// is tangent to T at the rim. A ray that passes beside the surface therefore still meets the figure nearby, at a
+/// height at which the aperture clips the ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figure {
     /// The conic and the terms.
@@ -28,10 +31,10 @@ pub struct Figure {
 pub struct Bounds {
     /// Minimum and maximum z, mm.
     pub sagitta: [f64; 2],
-    /// Maximum |dz/dr|; infinite at the edge of an ellipsoid's half.
+    /// Maximum |dz/dr|; infinite at the rim of half an ellipsoid.
     pub slope: f64,
-    /// Minimum and maximum of the curvatures d²z/dr² and (dz/dr)/r, 1/mm: of the second derivatives in any direction
-    /// across the axis.
+    /// Minimum and maximum of the curvatures d²z/dr² and (dz/dr)/r, 1/mm. These also bound the second derivatives of z
+    /// in any direction perpendicular to the axis.
     pub curvature: [f64; 2],
     /// Maximum |T|, mm.
     pub terms: f64,
@@ -39,17 +42,18 @@ pub struct Bounds {
     pub terms_slope: f64,
     /// Minimum and maximum of T's curvatures d²T/dr² and (dT/dr)/r, 1/mm.
     pub terms_curvature: [f64; 2],
-    /// Maximum Σ |`A_i`| r^i, mm, to which T's rounding error is relative.
+    /// Maximum Σ |`A_i`| r^i, mm. The rounding error of T is relative to this sum.
     pub terms_size: f64,
 }
 
 /// Number of annuli into which the aperture is cut.
 const ANNULI: u32 = 64;
-/// Rounding error of a polynomial, relative to the sum of its terms' magnitudes: that of some hundred operations.
+/// Rounding error of a polynomial, relative to the sum of its terms' magnitudes: the error of about a hundred
+/// operations.
 const ROUNDING: f64 = 128.0 * f64::EPSILON;
 
 impl Figure {
-    /// Builds the figure with this clear semi-diameter; `None` if it is a sphere or a plane.
+    /// Builds the figure with this clear semi-diameter; `None` if the figure is a sphere or a plane.
     pub fn new(asphere: &Asphere, semi_diameter: f64) -> Option<Self> {
         let is_plain = asphere.conic == 0.0 || asphere.radius.is_infinite();
         if is_plain && asphere.terms.iter().all(|term| *term == 0.0) {
@@ -59,7 +63,7 @@ impl Figure {
         Some(Self { asphere: *asphere, rim: semi_diameter, bounds })
     }
 
-    /// Returns the curvature at the vertex, which first-order optics uses, 1/mm.
+    /// Returns the curvature at the vertex, 1/mm, which first-order optics uses.
     pub fn vertex_curvature(&self) -> f64 {
         self.asphere.radius.recip() + 2.0 * self.asphere.terms[0]
     }
@@ -69,7 +73,8 @@ impl Figure {
         terms(&self.asphere, self.rim)[1] / self.rim
     }
 
-    /// Returns z at the distance `height` from the axis, mm. Beyond the edge of the conic its part continues as c r².
+    /// Returns z at the distance `height` from the axis, mm. Beyond the edge of the conic, the conic's part of z
+    /// continues as c r².
     pub fn sagitta(&self, height: f64) -> f64 {
         let [terms, _] = terms(&self.asphere, height.min(self.rim));
         let beyond = if height > self.rim {
@@ -111,8 +116,8 @@ impl Bounds {
             let conic_slope = ordered(edges.map(|r| conic_slope(asphere, r)));
             let steepest = largest(sum(conic_slope, term_slope));
             bounds.slope = bounds.slope.max(steepest);
-            // Mean value theorem: z differs from that of the middle by at most the steepest slope times the distance.
-            // This bound is tighter where conic and terms cancel.
+            // By the mean value theorem, z differs from its value at the middle by at most the steepest slope times the
+            // distance. This bound is tighter where conic and terms cancel.
             let middle = f64::midpoint(edges[0], edges[1]);
             let z = conic_sagitta(asphere, middle) + self::terms(asphere, middle)[0];
             let around = steepest * (edges[1] - middle) + ROUNDING * bounds.terms_size;
@@ -130,11 +135,11 @@ impl Bounds {
     }
 }
 
-/// Returns bounds on an annulus of a polynomial, given by its coefficients of r^0, r^1, ….
+/// Returns bounds, on an annulus, of a polynomial that is given by its coefficients of r^0, r^1, ….
 fn range(coefficients: &[f64], [from, to]: [f64; 2]) -> [f64; 2] {
     let (middle, half) = (f64::midpoint(from, to), (to - from) / 2.0);
     let (mut value, mut slope, mut bend) = (0.0, 0.0, 0.0);
-    // Horner's rule with derivatives: (p, p') from the coefficients, p''/2 from their magnitudes.
+    // Horner's rule with derivatives gives (p, p') from the coefficients, and p''/2 from the coefficients' magnitudes.
     let (mut size, mut size_slope) = (0.0, 0.0);
     for a in coefficients.iter().rev() {
         slope = slope * middle + value;
@@ -175,7 +180,7 @@ fn conic_curvatures(asphere: &Asphere, edges: [f64; 2]) -> [[f64; 2]; 2] {
     [1, 3].map(|power| edges.map(|r| if c == 0.0 { 0.0 } else { c / conic_root(asphere, r).powi(power) }))
 }
 
-/// Returns √(1 - (1 + k) c² r²): z of the conic's normal before normalisation.
+/// Returns √(1 - (1 + k) c² r²): the z component of the conic's normal before normalisation.
 fn conic_root(asphere: &Asphere, r: f64) -> f64 {
     let bent = r / asphere.radius;
     (1.0 - (1.0 + asphere.conic) * bent * bent).max(0.0).sqrt()
@@ -186,8 +191,8 @@ mod tests {
     use super::*;
     use crate::prescription::NO_TERMS;
 
-    /// Returns a telephone lens's surface that turns back near its rim (US 2016/0341934 A1, example 11, surface 12),
-    /// odd terms, and conics of every kind.
+    /// Returns a surface of a phone lens that turns back near its rim (US 2016/0341934 A1, example 11, surface 12), a
+    /// surface with odd terms, and conics of every kind.
     fn figures() -> Vec<Figure> {
         let with = |radius, conic, terms: &[(usize, f64)], rim| {
             let mut asphere = Asphere { radius, conic, terms: NO_TERMS };
@@ -256,7 +261,7 @@ mod tests {
             let powers = (FIRST_POWER as i32..).zip(&asphere.terms);
             let expected = conic + powers.map(|(power, term)| term * r.powi(power)).sum::<f64>();
             assert!((figure.sagitta(r) - expected).abs() < 1e-14 * rim);
-            // Without the conic, which may end there.
+            // The conic is subtracted because it may end at the rim.
             let terms_at = |r: f64| figure.sagitta(r) - conic_sagitta(&asphere, r);
             let h = 1e-6 * rim;
             let [before, after] = [terms_at(rim) - terms_at(rim - h), terms_at(rim + h) - terms_at(rim)];

@@ -1,44 +1,45 @@
-//! First-order (Gaussian) optics: the lens as a thick lens, by products of ray-transfer (ABCD) matrices (M. Born and E.
-//! Wolf, *Principles of Optics*, §4.4). Kolb, Mitchell and Hanrahan 1995, §3.2, use the same thick lens. Computes the
-//! cardinal points of a lens, and transfers rays from one side to the other. A test compares with the lecture's recipe,
-//! exact rays very near the axis.
+//! First-order (Gaussian) optics: represents the lens as a thick lens, by products of ray-transfer (ABCD) matrices (M.
+//! Born and E. Wolf, *Principles of Optics*, §4.4). Kolb, Mitchell and Hanrahan 1995, §3.2, use the same thick lens.
+//! Computes the cardinal points of a lens, and transfers rays from one side to the other. A test compares the results
+//! with the lecture's recipe, which traces exact rays very near the axis.
 
 use super::{Lens, LensError, Ray};
 
-/// A ray-transfer matrix on (height y, optical slope n dy/ds), s counted from scene to film.
-/// Its determinant is 1.
+/// A ray-transfer matrix, which acts on (height y, optical slope n dy/ds), where s is counted from scene to film. The
+/// determinant of the matrix is 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Abcd {
-    /// Height from height.
+    /// Coefficient of the incoming height in the outgoing height.
     pub a: f64,
-    /// Height from slope, mm.
+    /// Coefficient of the incoming slope in the outgoing height, mm.
     pub b: f64,
-    /// Slope from height, 1/mm.
+    /// Coefficient of the incoming height in the outgoing slope, 1/mm.
     pub c: f64,
-    /// Slope from slope.
+    /// Coefficient of the incoming slope in the outgoing slope.
     pub d: f64,
 }
 
 impl Abcd {
     const IDENTITY: Self = Self { a: 1.0, b: 0.0, c: 0.0, d: 1.0 };
 
-    /// Returns this matrix followed by a surface of power (n' - n)/R.
+    /// Returns this matrix followed by the refraction at a surface with the power (n' - n)/R.
     fn refracted(self, power: f64) -> Self {
         Self { c: self.c - power * self.a, d: self.d - power * self.b, ..self }
     }
 
-    /// Returns this matrix followed by a reduced distance: thickness over index.
+    /// Returns this matrix followed by a reduced distance: the thickness divided by the index.
     fn transferred(self, reduced: f64) -> Self {
         Self { a: self.a + reduced * self.c, b: self.b + reduced * self.d, ..self }
     }
 
-    /// Returns the matrix from the vertex of surface `from` (before it if `refract_first`, else after it) to the vertex
-    /// of surface `to`, after it. Surfaces are counted from the scene.
+    /// Returns the matrix from the vertex of surface `from` to the vertex of surface `to`. The matrix includes the
+    /// refraction at `from` only if `refract_first`, and always includes the refraction at the surfaces after `from` up
+    /// to `to`. Surfaces are counted from the scene.
     fn between(lens: &Lens, from: usize, refract_first: bool, to: usize) -> Self {
         let mut matrix = Self::IDENTITY;
         for (number, surface) in lens.surfaces.iter().enumerate().take(to + 1).skip(from) {
             if number > from {
-                // The difference of the vertices would lose digits far from the first.
+                // The difference between the vertices would lose digits far from the first vertex.
                 matrix = matrix.transferred(lens.surfaces[number - 1].thickness / surface.n_scene);
             }
             if number > from || refract_first {
@@ -48,24 +49,24 @@ impl Abcd {
         matrix
     }
 
-    /// Returns the matrix of the whole lens, front vertex to rear vertex.
+    /// Returns the matrix of the whole lens, from the front vertex to the rear vertex.
     pub fn of_lens(lens: &Lens) -> Self {
         Self::between(lens, 0, true, lens.surfaces.len() - 1)
     }
 
-    /// Returns the matrix from the front vertex to the vertex plane of surface `index`, after it.
+    /// Returns the matrix from the front vertex to the vertex plane of surface `index`, including the refraction there.
     pub(super) fn in_front_of(lens: &Lens, index: usize) -> Self {
         Self::between(lens, 0, true, index)
     }
 
-    /// Returns the matrix from the vertex plane of surface `index`, after it, to the rear vertex.
+    /// Returns the matrix from the vertex plane of surface `index`, without the refraction there, to the rear vertex.
     pub(super) fn behind(lens: &Lens, index: usize) -> Self {
         Self::between(lens, index, false, lens.surfaces.len() - 1)
     }
 }
 
-/// The cardinal points of a lens in air. All positions are z in lens space, mm. The nodal points
-/// are the principal points, both sides being air.
+/// The cardinal points of a lens in air. All positions are z in lens space, mm. The nodal points coincide with the
+/// principal points, because both sides are air.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FirstOrder {
     /// Effective focal length, mm; negative for a diverging lens.
@@ -78,11 +79,11 @@ pub struct FirstOrder {
     pub front_principal_plane: f64,
     /// Film-side principal plane P'.
     pub rear_principal_plane: f64,
-    /// z of the last vertex.
+    /// The z coordinate of the last vertex.
     pub rear_vertex: f64,
 }
 
-/// Power, as a fraction of the sum of the surfaces' own, below which the lens is afocal.
+/// Power below which the lens is afocal, as a fraction of the sum of the magnitudes of the surfaces' powers.
 const AFOCAL: f64 = 1e-12;
 
 impl FirstOrder {
@@ -110,12 +111,12 @@ impl FirstOrder {
         })
     }
 
-    /// Returns the back focal distance: last vertex to the film-side focal point, mm.
+    /// Returns the back focal distance: from the last vertex to the film-side focal point, mm.
     pub fn back_focal_distance(&self) -> f64 {
         self.rear_vertex - self.rear_focal_point
     }
 
-    /// Returns the thin lens of the same focal length in the plane z = `plane` (lens space).
+    /// Returns the thin lens of the same focal length in the plane z = `plane` of lens space.
     #[must_use]
     pub fn thin_at(&self, plane: f64) -> Self {
         Self {
@@ -127,12 +128,13 @@ impl FirstOrder {
         }
     }
 
-    /// Returns the ray-transfer matrix from a film in the plane z = `film` (lens space) to the front vertex plane, with
-    /// slopes dx/dz: height from height and from slope (mm), then slope from height (1/mm) and from slope. Its
-    /// determinant is 1.
+    /// Returns the ray-transfer matrix, for heights and slopes dx/dz, from a film in the plane z = `film` of lens space
+    /// to the front vertex plane. The first row gives the height from the height and from the slope (mm); the second
+    /// row gives the slope from the height (1/mm) and from the slope. The determinant is 1.
     pub fn from_film(&self, film: f64) -> [[f64; 2]; 2] {
         let power = self.focal_length.recip();
-        // To the principal plane on the film's side, and from the other to the front vertex.
+        // The distances from the film to the film-side principal plane, and from the other principal plane to the front
+        // vertex.
         let (before, after) = (self.rear_principal_plane - film, -self.front_principal_plane);
         let slope = [-power, 1.0 - before * power];
         let height = [1.0 + after * slope[0], before + after * slope[1]];
@@ -140,8 +142,8 @@ impl FirstOrder {
     }
 
     /// Returns the distance, mm, from a film `film_distance` mm behind the last vertex to the plane in focus, by
-    /// Newton's equation: infinity if the film is at or before the focal point, `None` if that plane lies behind the
-    /// front vertex.
+    /// Newton's equation. The distance is infinite if the film is at or before the focal point. The result is `None` if
+    /// the plane in focus lies behind the front vertex.
     pub fn object_distance(&self, film_distance: f64) -> Option<f64> {
         let beyond = film_distance - self.back_focal_distance();
         if beyond <= 0.0 {
@@ -152,26 +154,27 @@ impl FirstOrder {
     }
 
     /// Returns the distance from the last vertex to the image of the axial point 1/`vergence` mm in front of the first
-    /// vertex (0: at infinity), by Newton's equation; infinite if there is no image, negative if it is virtual.
+    /// vertex, by Newton's equation. A vergence of 0 stands for a point at infinity. The distance is infinite if there
+    /// is no image, and negative if the image is virtual.
     pub fn image_distance(&self, vergence: f64) -> f64 {
         let beyond_focus = 1.0 - vergence * self.front_focal_point;
         self.back_focal_distance() + self.focal_length * self.focal_length * vergence / beyond_focus
     }
 
-    /// Returns the scene-side ray of a film-side one through the thick lens (Kolb et al., §3.2): it crosses from
-    /// principal plane to principal plane at equal height, and its slope changes by height/f. The result starts in the
-    /// front vertex plane.
+    /// Returns the scene-side ray that a film-side ray becomes through the thick lens (Kolb et al., §3.2). The ray
+    /// crosses from principal plane to principal plane at equal height, and its slope changes by height/f. The result
+    /// starts in the front vertex plane.
     pub fn transfer(&self, ray: Ray) -> Ray {
         self.carry(ray, self.rear_principal_plane, self.front_principal_plane, 0.0, 1.0)
     }
 
-    /// Returns the film-side ray of a scene-side one. The result starts in the rear vertex plane.
+    /// Returns the film-side ray that a scene-side ray becomes. The result starts in the rear vertex plane.
     pub fn transfer_to_film(&self, ray: Ray) -> Ray {
         self.carry(ray, self.front_principal_plane, self.rear_principal_plane, self.rear_vertex, -1.0)
     }
 
-    /// Transfers a ray from the principal plane `from` to `to` and then to the plane `out`; light travels toward +z
-    /// (`travel_sign` 1) or -z (-1).
+    /// Transfers a ray from the principal plane `from` to the principal plane `to` and then to the plane `out`. Light
+    /// travels toward +z (`travel_sign` 1) or -z (-1).
     fn carry(&self, ray: Ray, from: f64, to: f64, out: f64, travel_sign: f64) -> Ray {
         let [x, y, z] = ray.origin;
         let [dx, dy, dz] = ray.direction;
@@ -223,7 +226,7 @@ mod tests {
         for i in 0..3 {
             assert!((thick_out.direction[i] - thin_out.direction[i]).abs() < 1e-14);
         }
-        // The gap between the planes shifts the ray along the axis by exactly that gap.
+        // The gap between the principal planes shifts the ray along the axis by exactly that gap.
         let gap = lens.front_principal_plane - lens.rear_principal_plane;
         let slope = thick_out.direction[1] / thick_out.direction[2];
         assert!((thin_out.origin[1] - thick_out.origin[1] - slope * gap).abs() < 1e-10);

@@ -1,15 +1,17 @@
 //! Pupils by first-order optics: the image of one aperture by the glass behind it (exit pupil) or in front of it
-//! (entrance pupil). Exact rays determine which aperture limits the beam, and the beam's width (`imaging`).
+//! (entrance pupil). The module `imaging` determines with exact rays which aperture limits the beam, and how wide the
+//! beam is.
 //!
-//! The image is stored as the two coefficients (height, slope) that give a ray's height in the aperture from its height
-//! and slope at the outer vertex. They also represent a pupil at infinity, which has no position or diameter.
+//! The image is stored as two coefficients, for height and slope. They give the height of a ray in the aperture from
+//! the ray's height and slope at the outer vertex. The coefficients can also represent a pupil at infinity, which has
+//! no position or diameter.
 
 use super::{Lens, first_order::Abcd};
 
-/// The paraxial image of one aperture on the film's side of the lens.
+/// The paraxial image of one aperture, formed on the film's side of the lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExitPupil {
-    /// The surface whose aperture is imaged, counted from the scene.
+    /// Index of the surface whose aperture is imaged, counted from the scene.
     pub surface: usize,
     semi_diameter: f64,
     rear_vertex: f64,
@@ -18,12 +20,12 @@ pub struct ExitPupil {
     from_slope: f64,
 }
 
-/// A disk of ray slopes (dx/dz, dy/dz) at a film point: the pupil as that point sees it.
+/// A disk of ray slopes (dx/dz, dy/dz) at a film point: the pupil as seen from that point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlopeDisk {
     /// Slopes of the ray to the pupil's centre.
     pub center: [f64; 2],
-    /// Radius of the disk, in slope; positive.
+    /// Radius of the disk, as a slope; positive.
     pub radius: f64,
 }
 
@@ -36,21 +38,22 @@ impl ExitPupil {
             semi_diameter: lens.surfaces[surface].semi_diameter,
             rear_vertex: lens.rear().vertex,
             from_height: matrix.d,
-            // The matrix counts slopes along the light, that is toward -z, and maps aperture to vertex; this is its
-            // inverse with the slope's sign reversed.
+            // The matrix counts slopes in the direction of the light, toward -z, and maps from the aperture to the
+            // vertex. The coefficients here are those of the inverse matrix, with the sign of the slope reversed.
             from_slope: matrix.b,
         }
     }
 
-    /// Returns the pupil with the width of the image of an entrance pupil of the same aperture.
+    /// Returns this exit pupil with the width that corresponds to the diameter of an entrance pupil of the same
+    /// aperture.
     #[must_use]
     pub fn conjugate_to(self, entrance: &EntrancePupil) -> Self {
         Self { semi_diameter: entrance.semi_diameter_for(entrance.diameter), ..self }
     }
 
-    /// Returns the exit pupil of first-order optics for film at `film` (z in lens space, behind the lens): of all
-    /// apertures imaged through the glass behind them, the one that subtends the smallest solid angle from the film's
-    /// centre.
+    /// Returns the exit pupil of first-order optics for film at `film` (z in lens space, behind the lens). Among the
+    /// images of all apertures, each formed by the glass behind it, this is the image that subtends the smallest solid
+    /// angle from the film's centre.
     pub fn paraxial(lens: &Lens, film: f64) -> Self {
         (0..lens.surfaces.len())
             .map(|surface| Self::of_surface(lens, surface))
@@ -58,7 +61,7 @@ impl ExitPupil {
             .expect("a lens has at least one surface")
     }
 
-    /// Returns z of the pupil plane in lens space, mm; `None` if the pupil is at infinity.
+    /// Returns the z coordinate of the pupil plane in lens space, mm; `None` if the pupil is at infinity.
     pub fn position(&self) -> Option<f64> {
         let z = self.rear_vertex + self.from_slope / self.from_height;
         z.is_finite().then_some(z)
@@ -69,18 +72,18 @@ impl ExitPupil {
         2.0 * self.semi_diameter / self.from_height.abs()
     }
 
-    /// Returns 1/Z, 1/mm, where Z is the axial distance from film at `film` to the pupil; 0 for a pupil at infinity,
-    /// negative for one behind the film.
+    /// Returns 1/Z, 1/mm, where Z is the axial distance from film at `film` to the pupil. The result is 0 for a pupil
+    /// at infinity, and negative for a pupil behind the film.
     pub fn vergence(&self, film: f64) -> f64 {
         self.from_height / self.height_from_slope(film)
     }
 
-    /// Returns the tangent of the pupil's angular radius at the film's centre.
+    /// Returns the tangent of the pupil's angular radius as seen from the film's centre.
     fn slope_radius(&self, film: f64) -> f64 {
         self.semi_diameter / self.height_from_slope(film).abs()
     }
 
-    /// Returns the pupil as the film point (`x`, `y`, `film`) sees it.
+    /// Returns the pupil as seen from the film point (`x`, `y`, `film`).
     pub fn slopes(&self, x: f64, y: f64, film: f64) -> SlopeDisk {
         let vergence = self.vergence(film);
         SlopeDisk { center: [-x * vergence, -y * vergence], radius: self.slope_radius(film) }
@@ -91,7 +94,7 @@ impl ExitPupil {
     }
 }
 
-/// The paraxial image of one aperture on the scene's side of the lens.
+/// The paraxial image of one aperture, formed on the scene's side of the lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EntrancePupil {
     diameter: f64,
@@ -108,18 +111,18 @@ impl EntrancePupil {
         Self { diameter, from_height, from_slope }
     }
 
-    /// Returns the aperture's semi-diameter, mm, with which the pupil has this diameter, mm.
+    /// Returns the semi-diameter of the aperture, mm, at which the pupil has this diameter, mm.
     pub fn semi_diameter_for(&self, diameter: f64) -> f64 {
         diameter / 2.0 * self.from_height.abs()
     }
 
-    /// Returns the pupil at the same position with another diameter, mm: that of a beam of exact rays.
+    /// Returns the pupil at the same position with another diameter, mm: the diameter of a beam of exact rays.
     #[must_use]
     pub fn with_diameter(self, diameter: f64) -> Self {
         Self { diameter, ..self }
     }
 
-    /// Returns z of the pupil plane in lens space, mm; `None` if the pupil is at infinity.
+    /// Returns the z coordinate of the pupil plane in lens space, mm; `None` if the pupil is at infinity.
     pub fn position(&self) -> Option<f64> {
         let z = -self.from_slope / self.from_height;
         z.is_finite().then_some(z)
@@ -130,8 +133,9 @@ impl EntrancePupil {
         self.diameter
     }
 
-    /// Returns the ray from the axial point 1/`vergence` mm in front of the front vertex (0: parallel to the axis) to
-    /// `fraction` of the pupil's radius: its height in the front vertex plane, mm, and slope dy/ds (s toward the film).
+    /// Returns the ray from the axial point 1/`vergence` mm in front of the front vertex to `fraction` of the pupil's
+    /// radius; for a vergence of 0 the ray is parallel to the axis. The result is the ray's height in the front vertex
+    /// plane, mm, and its slope dy/ds, where s points toward the film.
     pub fn marginal_ray(&self, vergence: f64, fraction: f64) -> (f64, f64) {
         let spread = self.position().map_or(1.0, |z| 1.0 - vergence * z);
         let height = fraction * (self.diameter / 2.0) / spread;

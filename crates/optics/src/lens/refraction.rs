@@ -1,11 +1,12 @@
 //! Refraction at a surface by Snell's law, n sin I = n' sin I', by four methods.
 //!
-//! The first three are those of P. Heckbert and P. Hanrahan's comparison ("Derivation of Refraction Formulas" in A.
-//! Glassner, ed., *An Introduction to Ray Tracing*, 1989), with exactly its operations, so that they can be counted.
-//! The fourth is this library's own: it works on optical direction cosines V = n D and needs no division by an index.
+//! The first three are the methods that P. Heckbert and P. Hanrahan compare ("Derivation of Refraction Formulas" in A.
+//! Glassner, ed., *An Introduction to Ray Tracing*, 1989). They perform exactly the operations of that text, so that
+//! the operations can be counted. The fourth method is this library's own: it works on optical direction cosines V = n
+//! D and needs no division by an index.
 //!
-//! Directions are unit vectors; `normal` is the unit normal on the side of the refracted light (`incident · normal >
-//! 0`). Under total reflection the functions return NaN: callers test for that first.
+//! Directions are unit vectors. `normal` is the unit normal on the side of the refracted light (`incident · normal >
+//! 0`). Under total reflection the functions return NaN; callers test for total reflection first.
 
 use realistic_base::numeric::{Real, dot};
 
@@ -15,11 +16,11 @@ pub enum Refraction {
     /// V' = V + (n' cos I' - n cos I) N on optical direction cosines.
     #[default]
     Fused,
-    /// Heckbert's.
+    /// Heckbert's method.
     Heckbert,
-    /// Whitted's (1980).
+    /// Whitted's method (1980).
     Whitted,
-    /// The comparison's "other method".
+    /// The "other method" of Heckbert and Hanrahan's comparison.
     Other,
 }
 
@@ -68,9 +69,9 @@ pub fn other<R: Real>(incident: Vector<R>, normal: Vector<R>, n: R, n_after: R) 
     std::array::from_fn(|i| (incident[i] + along * normal[i]) / ratio)
 }
 
-/// The fused form: from V = n D, with `projected` = n cos I = N·V and `index_step` = n'² - n², V' = V + (n' cos I' -
-/// n cos I) N. The bracket is written as a quotient, so that a small index step keeps its digits. `projected` is
-/// known from the intersection, and nothing is divided by an index.
+/// The fused form: V' = V + (n' cos I' - n cos I) N, computed from V = n D, `projected` = n cos I = N·V, and
+/// `index_step` = n'² - n². The term in brackets is written as a quotient, so that a small index step keeps its digits.
+/// `projected` is known from the intersection, and nothing is divided by an index.
 #[inline]
 pub fn fused<R: Real>(v: Vector<R>, normal: Vector<R>, projected: R, index_step: R) -> Vector<R> {
     let projected_after = (projected * projected + index_step).sqrt();

@@ -1,17 +1,17 @@
-//! Limits on the lenses that single precision can trace.
+//! Limits within which single precision can trace a lens.
 //!
-//! The limits come from the stability cases: within them the error of an f32 tracer in direction stays below 1e-4 rad
+//! The limits come from the stability cases. Within them, the error in direction of an f32 tracer stays below 1e-4 rad
 //! away from total reflection, and below 1e-6 for ordinary lenses. The amplification is summed over all surfaces, so
-//! their number counts. Rounding errors specific to the compiled kernels (growth of rounding in `trace::kernel`) are
-//! bounded when a lens is compiled.
+//! that a lens with more surfaces has more of it. Rounding errors specific to the compiled kernels (growth of rounding
+//! in `trace::kernel`) are bounded when a lens is compiled.
 
 use super::{Lens, first_order::Abcd};
 
-/// Lengths, mm, whose squares stay in the number range.
+/// Lengths, mm, whose squares stay in the number range of single precision.
 const LENGTHS: std::ops::RangeInclusive<f64> = 1e-15..=1e15;
-/// Smallest step n' - n of the index that is not 0: more than a thousand roundings.
+/// Smallest nonzero step n' - n of the index: more than a thousand rounding errors.
 const LEAST_INDEX_STEP: f64 = 1e-4;
-/// Smallest 1 - (semi-diameter/|R|)²: below it rays meet the edge of the clear aperture at grazing incidence.
+/// Smallest value of 1 - (semi-diameter/|R|)². Below it, rays meet the edge of the clear aperture at grazing incidence.
 const LEAST_NEARNESS: f64 = 1e-3;
 /// Largest ratio of the maximum length to the minimum clear semi-diameter.
 const GREATEST_RATIO: f64 = 1e4;
@@ -50,7 +50,8 @@ pub fn f32_is_fit(lens: &Lens) -> Result<(), String> {
         }
         narrowest = narrowest.min(semi_diameter);
         longest = longest.max(semi_diameter).max(surface.thickness);
-        // Effect on the scene side of a perturbation here of 1 in slope and of the semi-diameter in height.
+        // Effect, on the scene side, of perturbing a ray at this surface by 1 in slope and by the semi-diameter in
+        // height.
         let matrix = Abcd::in_front_of(lens, number);
         amplification += (matrix.c * semi_diameter).powi(2) + matrix.a.powi(2);
     }

@@ -1,7 +1,7 @@
 //! A lens at one wavelength and one stop: the surfaces that rays intersect.
 //!
 //! A prescription and a wavelength are converted to vertices, curvatures, figures, refractive indices and clear
-//! apertures in lens space. All modules that build on [`crate::lens`] use these and not the glasses.
+//! apertures in lens space. All modules that build on [`crate::lens`] use these values and not the glasses.
 
 use thiserror::Error;
 
@@ -18,7 +18,7 @@ use realistic_base::{
 /// One surface of a lens at a given wavelength.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surface {
-    /// z of the vertex in lens space, mm; 0 for the first.
+    /// The z coordinate of the vertex in lens space, mm; 0 for the first surface.
     pub vertex: f64,
     /// Radius in mm, infinite for a plane; positive if the centre lies on the film's side. For an asphere, the radius
     /// at the vertex.
@@ -27,52 +27,53 @@ pub struct Surface {
     pub curvature: f64,
     /// Aspheric figure; `None` for a sphere or a plane.
     pub figure: Option<Figure>,
-    /// Distance to the next vertex, mm; 0 for the last, negative only beside a plane that only limits rays. It keeps
-    /// digits that a difference of vertices would lose.
+    /// Distance to the next vertex, mm; 0 for the last surface. Negative only beside a plane that only limits rays.
+    /// This distance keeps digits that a difference between vertices would lose.
     pub thickness: f64,
     /// Refractive index on the scene's side.
     pub n_scene: f64,
     /// Refractive index on the film's side.
     pub n_film: f64,
-    /// Absorption coefficient α of the medium on the film's side, 1/mm: it transmits exp(-α l) along a path length l. 0
-    /// if unknown.
+    /// Absorption coefficient α of the medium on the film's side, 1/mm: the medium transmits exp(-α l) along a path of
+    /// length l. 0 if unknown.
     pub absorption: f64,
     /// Clear semi-diameter, mm.
     pub semi_diameter: f64,
     /// Whether this is the aperture stop.
     pub is_stop: bool,
-    /// Whether the surface touches the one before it on the scene's side, not counting planes that only limit rays.
-    /// With rounded radii and thicknesses the two may overlap a little; rays then intersect this one slightly behind
-    /// the other ([`Crossing`]).
+    /// Whether the surface touches the surface before it on the scene's side, not counting planes that only limit rays.
+    /// With rounded radii and thicknesses the two surfaces may overlap a little; rays then intersect this surface
+    /// slightly behind the other ([`Crossing`]).
     pub is_contact: bool,
 }
 
-/// Two neighbouring surfaces, not counting planes that only limit rays, that overlap inside both their clear apertures.
+/// Two neighbouring surfaces that overlap inside both their clear apertures. Planes that only limit rays do not count
+/// as neighbours.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
-    /// The two surfaces, counted from the scene.
+    /// Indices of the two surfaces, counted from the scene.
     pub surfaces: [usize; 2],
-    /// Distance from the axis at which they begin to overlap, mm.
+    /// Distance from the axis at which the surfaces begin to overlap, mm.
     pub height: f64,
     /// Maximum overlap along the axis, mm.
     pub overlap: f64,
-    /// Whether the two touch: they cross at so small an angle that rounded data explain the overlap. Rays are traced
-    /// from one to the other as if they did not overlap. Otherwise rays that meet the second in front of the first are
-    /// blocked.
+    /// Whether the two surfaces touch: they cross at so small an angle that rounded data explain the overlap. Rays are
+    /// then traced from one surface to the other as if they did not overlap. If the surfaces do not touch, rays that
+    /// meet the second in front of the first are blocked.
     pub is_contact: bool,
     /// Whether floating-point rounding explains the overlap.
     pub is_rounding: bool,
 }
 
 impl Surface {
-    /// Whether this is a plane in one medium, such as a stop or a flare stop, which limits rays and does not refract
-    /// them.
+    /// Returns whether this is a plane in one medium, such as a stop or a flare stop, which limits rays and does not
+    /// refract them.
     pub fn only_limits(&self) -> bool {
         self.curvature == 0.0 && self.figure.is_none() && self.n_scene == self.n_film
     }
 
-    /// Returns the sagitta: z of the surface at distance `height` from the axis, minus that of its vertex, mm, positive
-    /// toward the scene. `height` is at most a sphere's radius of curvature.
+    /// Returns the sagitta, mm: the z of the surface at the distance `height` from the axis minus the z of the vertex,
+    /// positive toward the scene. For a sphere, `height` is at most the radius of curvature.
     pub fn sagitta(&self, height: f64) -> f64 {
         if let Some(figure) = &self.figure {
             return -figure.sagitta(height);
@@ -82,8 +83,8 @@ impl Surface {
         -c * height * height / (1.0 + root)
     }
 
-    /// Returns the minimum and maximum sagitta inside the clear aperture, mm; for an asphere these are bounds, a little
-    /// wider.
+    /// Returns the minimum and maximum sagitta inside the clear aperture, mm. For an asphere these are bounds, which
+    /// form a slightly wider range.
     pub fn sagitta_range(&self) -> [f64; 2] {
         if let Some(figure) = &self.figure {
             let [low, high] = figure.bounds.sagitta;
@@ -93,8 +94,8 @@ impl Surface {
         [edge.min(0.0), edge.max(0.0)]
     }
 
-    /// Returns the squared cosine of the steepest normal to the axis inside the clear aperture; for an asphere this is
-    /// a bound, a little less.
+    /// Returns the squared cosine of the largest angle between the axis and a normal inside the clear aperture. For an
+    /// asphere this is a slightly smaller bound.
     pub fn least_cosine_squared(&self) -> f64 {
         match &self.figure {
             Some(figure) => 1.0 / (1.0 + figure.bounds.slope.powi(2)),
@@ -103,12 +104,12 @@ impl Surface {
     }
 }
 
-/// Number of heights at which the gap between two surfaces is tested if one of them is an asphere.
+/// Number of annuli at whose edges the gap between two surfaces is tested, if one of the surfaces is an asphere.
 const ANNULI: u32 = 256;
-/// Maximum overlap of touching surfaces over the width of the annulus in which they overlap, roughly the tangent of the
-/// angle between them.
+/// Maximum overlap of touching surfaces, divided by the width of the annulus in which they overlap. The quotient is
+/// roughly the tangent of the angle between the surfaces.
 const CONTACT: f64 = 0.01;
-/// Maximum overlap due to floating-point rounding, over the clear radius.
+/// Maximum overlap due to floating-point rounding, divided by the clear radius.
 const ROUNDING: f64 = 1e-6;
 
 /// A lens at one wavelength and one stop.
@@ -120,11 +121,11 @@ pub struct Lens {
     pub surfaces: Vec<Surface>,
     /// The wavelength at which the indices hold, nm.
     pub wavelength: f64,
-    /// Distance from the last vertex to the film that the lens file proposes, mm.
+    /// Distance from the last vertex to the film, mm, as the lens file proposes it.
     pub nominal_film_distance: Option<f64>,
 }
 
-/// Reason why a lens cannot be built as requested, or lacks a property.
+/// Reason why a lens cannot be built as requested, or lacks a property that was requested.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum LensError {
     /// A stop size was requested, but the lens has no stop.
@@ -144,14 +145,14 @@ pub enum LensError {
     StopTooSmall {
         /// The lens.
         lens: String,
-        /// The parameter.
+        /// The name of the parameter.
         name: &'static str,
         /// The value of the parameter.
         given: f64,
         /// The lower limit of the value; for an f-number, the upper limit.
         limit: f64,
     },
-    /// The V-number of a glass gives it an index below that of air.
+    /// The V-number of a glass gives the glass an index below that of air.
     #[error(
         "lens \"{lens}\", interface {row}: at {} nm the V-number gives index {}, which is \
          below 1; correct the V-number, or ask for a \"wavelength\" nearer 587.56 nm",
@@ -164,7 +165,7 @@ pub enum LensError {
         row: usize,
         /// The index of the glass at the wavelength.
         index: f64,
-        /// nm.
+        /// The wavelength, nm.
         wavelength: f64,
     },
     /// A glass has no data at the wavelength.
@@ -175,7 +176,7 @@ pub enum LensError {
         /// The glass, and the wavelengths of its data.
         why: String,
     },
-    /// Parallel rays leave parallel: no focal length, principal planes or focus.
+    /// Parallel rays leave the lens parallel, so that the lens has no focal length, principal planes or focus.
     #[error("lens \"{lens}\" is afocal: it has no focal length and cannot focus")]
     Afocal {
         /// The lens.
@@ -269,7 +270,7 @@ impl Lens {
         self.surfaces.first().expect("a lens has at least one surface")
     }
 
-    /// Finds neighbouring surfaces that overlap, in their order from the scene.
+    /// Returns the pairs of neighbouring surfaces that overlap, in order from the scene.
     pub fn crossings(&self) -> Vec<Crossing> {
         let mut crossings = Vec::new();
         let mut last: Option<usize> = None;
@@ -310,7 +311,7 @@ impl Lens {
         Some(Crossing { surfaces, height, overlap, is_contact, is_rounding })
     }
 
-    /// Returns the index of the stop's surface, from the scene side.
+    /// Returns the index of the stop's surface, counted from the scene side.
     pub fn stop_index(&self) -> Option<usize> {
         self.surfaces.iter().position(|surface| surface.is_stop)
     }
@@ -323,7 +324,8 @@ mod tests {
 
     #[test]
     fn surfaces_that_cross_are_found_where_their_sagittae_add_up() {
-        // Two surfaces of 10 mm radius and half a millimetre each: h² = 2 · 10 · 0.5 - 0.5².
+        // Two surfaces of 10 mm radius, 1 mm apart. They cross where each has a sagitta of 0.5 mm: h² = 2 · 10 · 0.5 -
+        // 0.5².
         let crossed = |diameter: f64| {
             let text =
                 format!("20 5 1.5 5\n10 0.4 1 {diameter}\n0 0.6 1 4\n-10 2 1.5 {diameter}\n20 0 1 5\n");
@@ -332,7 +334,7 @@ mod tests {
         let [crossing] = crossed(8.0)[..] else { panic!("two surfaces cross") };
         assert_eq!((crossing.surfaces, crossing.is_contact), ([1, 3], false));
         assert!((crossing.height - 9.75_f64.sqrt()).abs() < 1e-12, "{crossing:?}");
-        // Both sagittae at 4 mm, less the half millimetre twice.
+        // The sum of both sagittae at 4 mm, minus the distance of 1 mm.
         assert!((crossing.overlap - (2.0 * (10.0 - 84.0_f64.sqrt()) - 1.0)).abs() < 1e-12, "{crossing:?}");
         assert!(crossed(2.0 * 9.75_f64.sqrt()).iter().all(|crossing| crossing.is_rounding));
         for name in catalogue::names() {

@@ -2,20 +2,20 @@
 
 use std::{f64::consts::PI, ops::RangeInclusive};
 
-/// A stop with blades. Its opening is bounded by equal arcs, one per blade; the corners lie on the circle of the stop's
-/// clear diameter.
+/// A stop with blades. The opening is bounded by equal arcs, one for each blade; the corners lie on the circle of the
+/// stop's clear diameter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Blades {
     /// Number of blades, in [`Blades::COUNTS`].
     pub count: u32,
     /// Direction of the first corner, in degrees from +x (image right) toward +y (image up).
     pub rotation: f64,
-    /// Curvature of the arcs relative to that of the circle, in [0, 1]: 0 for a polygon, 1 for the circle.
+    /// Curvature of the arcs relative to the curvature of the circle, in [0, 1]: 0 for a polygon, 1 for the circle.
     pub curvature: f64,
 }
 
 impl Blades {
-    /// Allowed numbers of blades. With more, the opening is a circle to within half a per cent of its radius.
+    /// Allowed numbers of blades. With more blades, the opening is a circle to within half a per cent of its radius.
     pub const COUNTS: RangeInclusive<u32> = 3..=32;
 
     /// Returns the cosine and sine of half the angle between two corners.
@@ -24,11 +24,11 @@ impl Blades {
         (cosine, sine)
     }
 
-    /// Returns the constants of the inequality that tests whether a point is inside the opening. In units of the stop's
-    /// radius, with m the largest dot product of the point with [`Blades::normals`], the point is inside if `bulge`
-    /// (x² + y²) + `slant` m <= `bulge` + `slant` cos(π/n). The difference of the two sides is half the arcs' curvature
-    /// times the power of the point with respect to the arc on its side; for straight blades it is the distance to the
-    /// edge.
+    /// Returns the constants of the inequality that tests whether a point is inside the opening. Lengths are in units
+    /// of the stop's radius, and m is the largest dot product of the point with [`Blades::normals`]. The point is
+    /// inside if `bulge` (x² + y²) + `slant` m <= `bulge` + `slant` cos(π/n). The difference between the two sides is
+    /// half the arcs' curvature times the power of the point with respect to the nearest arc; for straight blades it is
+    /// the distance to the edge.
     pub fn constants(&self) -> BladeConstants {
         let (cosine, sine) = self.half_angle();
         let c = self.curvature;
@@ -38,7 +38,7 @@ impl Blades {
         BladeConstants { bulge, slant, limit: bulge + slant * cosine }
     }
 
-    /// Returns the directions from the stop's centre to the middle of each blade's edge.
+    /// Returns the directions from the stop's centre to the middles of the blades' edges.
     pub fn normals(&self) -> impl Iterator<Item = [f64; 2]> {
         let first = self.rotation.to_radians();
         let step = PI / f64::from(self.count);
@@ -48,11 +48,11 @@ impl Blades {
         })
     }
 
-    /// Returns the area of the opening relative to that of the circle.
+    /// Returns the area of the opening relative to the area of the circle.
     pub fn share(&self) -> f64 {
         let (cosine, sine) = self.half_angle();
         let c = self.curvature;
-        // Area between an edge's chord and its arc, from half the arc's angle; 0 for straight blades.
+        // Area between an edge's chord and its arc, computed from half the angle of the arc; 0 for straight blades.
         let segment = if c > 0.0 {
             let half = (c * sine).asin();
             (half - half.sin() * half.cos()) / (c * c)
@@ -63,14 +63,14 @@ impl Blades {
     }
 }
 
-/// The constants of the opening's inequality: see [`Blades::constants`].
+/// The constants of the inequality that describes the opening: see [`Blades::constants`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BladeConstants {
     /// Half the arcs' curvature.
     pub bulge: f64,
-    /// Weight of the straight edge's distance in the test.
+    /// Weight, in the test, of the distance toward the straight edge.
     pub slant: f64,
-    /// Upper limit of the weighted sum.
+    /// Upper limit of the weighted sum in the test.
     pub limit: f64,
 }
 

@@ -44,7 +44,7 @@ pub fn names() -> impl Iterator<Item = &'static str> {
     FILES.iter().map(|&(name, _)| name)
 }
 
-/// Returns the built-in lens of that name, with or without `.dat`: the course's scenes use file names.
+/// Returns the built-in lens of that name. The name may end in `.dat`, because the course's scenes use file names.
 pub fn find(name: &str) -> Option<Prescription> {
     let name = name.strip_suffix(".dat").unwrap_or(name);
     let &(name, text) = FILES.iter().find(|&&(known, _)| known == name)?;
@@ -70,7 +70,7 @@ mod tests {
         }
     }
 
-    /// Tests whose rays must suit a random lens or film take the first five lenses; others take all.
+    /// Tests whose rays must suit a randomly chosen lens or film use the first five lenses; other tests use all lenses.
     #[test]
     fn spherical_lenses_without_moving_groups_come_first() {
         let first: Vec<&str> = names().take(5).collect();

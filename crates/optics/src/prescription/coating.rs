@@ -1,7 +1,7 @@
-//! The coatings that a lens file states for its surfaces: a name with its design wavelength, or layers.
-//! [`SurfaceCoating::from_air`] defines the layers of each name.
+//! The coatings that a lens file states for its surfaces: a named coating with its design wavelength, or a list of
+//! layers. [`SurfaceCoating::from_air`] defines the layers of each named coating.
 
-/// A named coating of a surface between air and glass. Cemented surfaces have none.
+/// A named coating of a surface between air and glass. Cemented surfaces have no coating.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Coating {
     /// No coating.
@@ -9,10 +9,10 @@ pub enum Coating {
     Bare,
     /// A quarter wave of magnesium fluoride, n = 1.38: the usual coating of lenses from about 1940 on.
     QuarterWave,
-    /// Two quarter waves, of n = 1.38 and 1.70 counted from the air, which cancel the reflection of crown glass at one
+    /// Two quarter waves, of n = 1.38 and 1.70 from the air inward, which cancel the reflection of crown glass at one
     /// wavelength.
     VCoat,
-    /// Three layers, a quarter, half and quarter wave, of n = 1.38, 2.05 and 1.63 counted from the air: the broadband
+    /// Three layers from the air inward, a quarter, a half and a quarter wave of n = 1.38, 2.05 and 1.63: the broadband
     /// coating of the 1970s.
     ThreeLayer,
 }
@@ -45,8 +45,8 @@ pub struct Layer {
 }
 
 impl Layer {
-    /// Returns a layer of a given optical thickness in wavelengths at normal incidence: 0.25 for a quarter wave at
-    /// `wavelength`, nm.
+    /// Returns a layer of a given optical thickness at normal incidence, in wavelengths of `wavelength` nm: 0.25 for a
+    /// quarter wave.
     pub fn of_waves(index: f64, waves: f64, wavelength: f64) -> Self {
         Self { index, thickness: waves * wavelength / index }
     }
@@ -59,10 +59,10 @@ pub enum SurfaceCoating {
     Named {
         /// The coating.
         coating: Coating,
-        /// The design wavelength, nm: the layers are quarter and half waves of it.
+        /// The design wavelength, nm: the layers are quarter and half waves at this wavelength.
         wavelength: f64,
     },
-    /// The layers, from the air on.
+    /// The layers, from the air inward.
     Stack(Vec<Layer>),
 }
 
@@ -70,7 +70,7 @@ impl SurfaceCoating {
     /// The default design wavelength, nm.
     pub const WAVELENGTH: f64 = 550.0;
 
-    /// Whether the coating has no layers.
+    /// Returns whether the coating has no layers.
     pub fn is_bare(&self) -> bool {
         match self {
             Self::Named { coating, .. } => *coating == Coating::Bare,
@@ -86,19 +86,19 @@ impl From<Coating> for SurfaceCoating {
     }
 }
 
-// The layers of named coatings. Patents do not publish the makers' coatings; each name denotes a typical one of
-// textbooks and lenses of its time.
+// The layers of named coatings. Patents do not publish the makers' coatings; each name denotes a coating that is
+// typical of textbooks and of lenses of its time.
 
 /// The index of magnesium fluoride.
 const MAGNESIUM_FLUORIDE: f64 = 1.38;
 
 impl SurfaceCoating {
-    /// Whether the effect of the coating itself depends on the wavelength.
+    /// Returns whether the effect of the coating itself depends on the wavelength.
     pub fn is_dispersive(&self) -> bool {
         !self.is_bare()
     }
 
-    /// Returns the layers from the air on.
+    /// Returns the layers from the air inward.
     pub fn from_air(&self) -> Vec<Layer> {
         let (coating, wavelength) = match self {
             Self::Named { coating, wavelength } => (*coating, *wavelength),
@@ -114,7 +114,7 @@ impl SurfaceCoating {
         }
     }
 
-    /// Returns the layers of a surface between media of these indices, from the first to the second.
+    /// Returns the layers of a surface between media of these indices, in order from the first medium to the second.
     pub fn layers(&self, media: [f64; 2]) -> Vec<Layer> {
         match AirSide::of(media) {
             None => Vec::new(),
@@ -124,7 +124,7 @@ impl SurfaceCoating {
     }
 }
 
-/// The side of a surface that is air, if the other is glass: only such surfaces are coated.
+/// The side of a surface on which the medium is air while the other medium is glass. Only such surfaces are coated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AirSide {
     /// The first medium is air.
@@ -134,7 +134,8 @@ pub enum AirSide {
 }
 
 impl AirSide {
-    /// Returns the air side of two media with these indices; `None` if both are air or neither is.
+    /// Returns the side on which the medium is air, for media with these indices; `None` if both media are air or
+    /// neither is.
     pub fn of([first, second]: [f64; 2]) -> Option<Self> {
         if first == second || first > 1.0 && second > 1.0 {
             return None;

@@ -1,18 +1,18 @@
 //! The fate of every statement of a lens file: whether a reader used it as written, replaced it or left it out.
 //!
 //! Readers record the fates in a ledger (`reader/ledger.rs`), which knows every line of the file in advance. A line
-//! that no reader records is therefore reported by its keyword as left out, and never silently ignored.
+//! that no reader records is therefore reported as left out, under its keyword, and is never silently ignored.
 
 /// The treatment of a statement by a reader.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Fate {
-    /// Something else is used instead.
+    /// Something else is used instead of the statement.
     Replaced,
-    /// It is not used.
+    /// The statement is not used.
     LeftOut,
-    /// It has no effect on the rays through the lens: a name, a note, a display setting.
+    /// The statement has no effect on the rays through the lens: a name, a note, a display setting.
     Informative,
-    /// It is used as written.
+    /// The statement is used as written.
     Used,
 }
 
@@ -31,14 +31,15 @@ impl Fate {
     }
 }
 
-/// Statements of a file that share their keyword, their fate and its reason.
+/// Statements of a file that have the same keyword, the same fate and the same reason for that fate.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Finding {
     /// The fate of the statements.
     pub fate: Fate,
     /// The keyword, or a word for a line without one, such as `row`.
     pub statement: String,
-    /// The surfaces that they concern, as the file numbers them; empty if they concern the whole lens.
+    /// The surfaces that the statements concern, as the file numbers them; empty if the statements concern the whole
+    /// lens.
     pub surfaces: Vec<String>,
     /// A sentence that states the replacement, or the reason why the statements are not used; empty if there is nothing
     /// to explain.

@@ -1,9 +1,10 @@
-//! A lens as a table of interfaces: the model that the reader of every format fills and [`crate::lens`] is built from.
+//! A lens as a table of interfaces. The readers of all formats fill this model, and [`crate::lens`] is built from it.
 //!
-//! Lengths are in millimetres. Interfaces run from the scene side to the film, and each holds the medium behind it, on
-//! the film's side. An aspheric figure is a conic plus a polynomial, as in patents, Optical Bench text and Zemax files.
-//! [`Stated`] holds the facts that a file states beside the table. No optics is computed from them; reports and tests
-//! compare with them, and the command line sizes its film by the field of view.
+//! Lengths are in millimetres. Interfaces run from the scene side to the film, and each interface holds the medium
+//! behind it, on the film's side. An aspheric figure is a conic plus a polynomial, as in patents, Optical Bench text
+//! and Zemax files. [`Stated`] holds the facts that a file states beside the table. No optics is computed from these
+//! facts; reports and tests compare their results with them, and the command line sizes its film by the stated field of
+//! view.
 
 use std::{ops::Range, sync::Arc};
 
@@ -20,27 +21,27 @@ use super::{
 pub enum Medium {
     /// Refractive index exactly 1.
     Air,
-    /// A glass known by n_d and its Abbe number.
+    /// A glass of which n_d and the Abbe number are known.
     Glass {
         /// Refractive index at the d line, 587.56 nm; more than 1.
         n_d: f64,
-        /// Abbe number (n_d - 1)/(n_F - n_C); positive. `None`: the index is the same at every wavelength.
+        /// Abbe number (n_d - 1)/(n_F - n_C); positive. `None` means that the index is the same at every wavelength.
         abbe: Option<f64>,
     },
-    /// A glass known by Sellmeier's formula with three terms, n² = 1 + Σ B λ²/(λ² - C), λ in µm (W. Sellmeier 1871; in
-    /// this form in every glass maker's catalogue).
+    /// A glass of which Sellmeier's formula with three terms is known, n² = 1 + Σ B λ²/(λ² - C), with λ in µm (W.
+    /// Sellmeier 1871; this form is used in every glass maker's catalogue).
     Sellmeier {
         /// B1, B2, B3.
         b: [f64; 3],
         /// C1, C2, C3 in µm².
         c: [f64; 3],
     },
-    /// A glass known by another formula.
+    /// A glass of which another formula is known.
     Formula(Formula),
 }
 
 impl Medium {
-    /// Whether the index depends on the wavelength.
+    /// Returns whether the index depends on the wavelength.
     pub fn is_dispersive(&self) -> bool {
         match self {
             Self::Air => false,
@@ -55,7 +56,7 @@ impl Medium {
 pub struct Glass {
     /// The medium of the glass.
     pub medium: Medium,
-    /// The shortest and longest wavelength, nm, of its index data, if known.
+    /// The shortest and the longest wavelength, nm, of the glass's index data, if known.
     pub range: Option<[f64; 2]>,
     /// The internal transmittance of the glass, if its catalogue states it.
     pub transmittance: Option<Arc<InternalTransmittance>>,
@@ -75,19 +76,19 @@ impl Glass {
 )]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
-    /// A sphere. Its radius in mm is not 0, and is positive if the centre lies on the film's side.
+    /// A sphere. Its radius, mm, is not 0; it is positive if the centre lies on the film's side.
     Sphere {
         /// Signed radius of curvature, mm.
         radius: f64,
     },
     /// Another surface of revolution.
     Asphere(Asphere),
-    /// A plane; in air it only limits rays, as the aperture stop or a flare stop.
+    /// A plane. In air a plane only limits rays, as the aperture stop or a flare stop does.
     Plane,
 }
 
 impl Shape {
-    /// Returns its largest possible clear semi-diameter, mm.
+    /// Returns the largest possible clear semi-diameter of the shape, mm.
     pub fn widest(&self) -> f64 {
         match self {
             Self::Sphere { radius } => radius.abs(),
@@ -102,17 +103,18 @@ impl Shape {
 pub struct Interface {
     /// The figure of the interface.
     pub shape: Shape,
-    /// Distance along the axis to the next vertex, mm. Negative only next to a plane that only limits rays, which may
-    /// lie within its neighbour's sagitta. 0 for the last interface: see [`Prescription::nominal_film_distance`].
+    /// Distance along the axis to the next vertex, mm. The distance is negative only next to a plane that only limits
+    /// rays, because such a plane may lie within its neighbour's sagitta. It is 0 for the last interface: see
+    /// [`Prescription::nominal_film_distance`].
     pub thickness: f64,
     /// The medium on the film's side.
     pub medium: Medium,
-    /// Index of its glass in [`Prescription::glasses`], if the file names it. The medium alone is not enough:
-    /// glasses of one formula may absorb differently.
+    /// Index in [`Prescription::glasses`] of the glass behind the interface, if the file names that glass. The medium
+    /// alone is not enough, because glasses with the same formula may absorb differently.
     pub glass: Option<usize>,
     /// Clear semi-diameter, mm, positive.
     pub semi_diameter: f64,
-    /// Whether this is the aperture stop; at most one interface of a lens is.
+    /// Whether this is the aperture stop; at most one interface of a lens is the stop.
     pub is_stop: bool,
 }
 
@@ -125,9 +127,9 @@ pub(super) fn has_coating(interfaces: &[Interface]) -> impl Iterator<Item = bool
     })
 }
 
-/// Returns, for each surface that bends rays, the rows from it to just before the next such surface. The thicknesses of
-/// these rows add up to the distance between the two vertices, which is 0 or more. The planes between the two only
-/// limit rays, and may lie within a neighbour's sagitta.
+/// Returns, for each surface that bends rays, the rows from that surface to just before the next such surface. The
+/// thicknesses of these rows add up to the distance between the two vertices, which is 0 or more. The planes between
+/// the two surfaces only limit rays, and may lie within the sagitta of a neighbour.
 pub(super) fn spans(interfaces: &[Interface]) -> impl Iterator<Item = Range<usize>> {
     let media = std::iter::once(Medium::Air).chain(interfaces.iter().map(|interface| interface.medium));
     let bends = |&(row, in_front): &(usize, Medium)| {
@@ -137,43 +139,46 @@ pub(super) fn spans(interfaces: &[Interface]) -> impl Iterator<Item = Range<usiz
     (1..rows.len()).map(move |next| rows[next - 1]..rows[next])
 }
 
-/// A lens as a table of interfaces, checked.
+/// A lens as a table of interfaces, which have been checked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prescription {
-    /// A short name: that in the catalogue, or the file's name.
+    /// A short name: the name in the catalogue, or the name of the file.
     pub name: String,
-    /// The title of the lens, if the file has one; that of a table is its first comment.
+    /// The title of the lens, if the file has one. The title of a table is its first comment.
     pub title: Option<String>,
     /// The interfaces, scene side first; at least one.
     pub interfaces: Vec<Interface>,
-    /// Distance from the last vertex to the film that the file proposes, mm: the last row's thickness, if it is not 0.
+    /// Distance from the last vertex to the film that the file proposes, mm: the thickness of the last row, if that is
+    /// not 0.
     pub nominal_film_distance: Option<f64>,
-    /// The focal length that the file states, mm; that of the first position, if the lens has positions. Reports and
-    /// warnings compare with it.
+    /// The focal length that the file states, mm; for a lens with positions, the focal length of the first position.
+    /// Reports and warnings compare the computed focal length with it.
     pub stated_focal_length: Option<f64>,
     /// Other facts that the file states about the lens.
     pub stated: Stated,
-    /// The glasses that the file names, each once; an interface refers to its own by position.
+    /// The glasses that the file names, each listed once. An interface refers to its glass by the position in this
+    /// list.
     pub glasses: Vec<(String, Glass)>,
-    /// The wavelength that the file is for, nm, if it states one: the lens is traced at it unless the user sets
-    /// another. Its glasses have indices there.
+    /// The wavelength for which the file describes the lens, nm, if the file states one. The lens is traced at this
+    /// wavelength unless the user sets another, and its glasses have indices there.
     pub wavelength: Option<f64>,
-    /// The blades in its stop, if the file has them; otherwise the stop is round.
+    /// The blades of the stop, if the file has them; otherwise the stop is round.
     pub blades: Option<Blades>,
-    /// The coatings of its interfaces, one each, if the file has any. Interfaces that the file leaves out are bare, as
-    /// are cemented ones.
+    /// The coatings of the interfaces, one for each, if the file has any. Interfaces for which the file gives no
+    /// coating are bare, as are cemented interfaces.
     pub coatings: Option<Vec<SurfaceCoating>>,
-    /// The positions of its moving groups, if it has any; the interfaces have the gaps of the first position.
+    /// The positions of the moving groups, if the lens has any; the interfaces have the gaps of the first position.
     pub positions: Option<Positions>,
-    /// Warnings for the user: one sentence, with its location, for each statement that the reader did not use as
-    /// written.
+    /// Warnings for the user: one sentence, with its location in the file, for each statement that the reader did not
+    /// use as written.
     pub remarks: Vec<String>,
-    /// The fate of every statement of its file; empty if it comes from no file.
+    /// The fate of every statement of the file; empty if the lens comes from no file.
     pub findings: Arc<[Finding]>,
 }
 
 impl Prescription {
-    /// Returns a lens of these interfaces, at least one, without any other facts. Readers check the interfaces first.
+    /// Returns a lens with these interfaces, of which there is at least one, and without any other facts. Readers check
+    /// the interfaces first.
     pub fn new(interfaces: Vec<Interface>) -> Self {
         Self {
             name: String::new(),
@@ -192,7 +197,7 @@ impl Prescription {
         }
     }
 
-    /// Returns the rows from each surface that bends rays to just before the next one.
+    /// Returns, for each surface that bends rays, the rows from that surface to just before the next such surface.
     pub fn spans(&self) -> impl Iterator<Item = Range<usize>> {
         spans(&self.interfaces)
     }
@@ -203,7 +208,7 @@ impl Prescription {
         self.interfaces.iter().map(own).collect()
     }
 
-    /// Returns the name and the glass behind an interface, if the file names the glass.
+    /// Returns the name of the glass behind an interface, and the glass itself, if the file names the glass.
     pub fn glass_behind(&self, interface: &Interface) -> Option<&(String, Glass)> {
         self.glasses.get(interface.glass?)
     }
@@ -213,7 +218,7 @@ impl Prescription {
         self.interfaces.iter().position(|interface| interface.is_stop)
     }
 
-    /// Returns the row of the stop, if the stop is a plane in air, where blades can be.
+    /// Returns the row of the stop, if the stop is a plane in air; only such a stop can have blades.
     pub fn stop_in_air(&self) -> Option<usize> {
         self.stop_index().filter(|&row| {
             let media = [row.checked_sub(1), Some(row)];
@@ -223,8 +228,8 @@ impl Prescription {
         })
     }
 
-    /// Returns the lens with other gaps behind some of its rows, mm. The last row's gap, before the film, is not part
-    /// of the lens and stays unchanged.
+    /// Returns the lens with other gaps, mm, behind the rows `rows`. The gap of the last row, before the film, is not
+    /// part of the lens and stays unchanged.
     pub fn with_gaps(&self, rows: &[usize], gaps: &[f64]) -> Self {
         let mut placed = self.clone();
         let last = placed.interfaces.len() - 1;
@@ -252,7 +257,7 @@ impl Prescription {
         scaled
     }
 
-    /// Whether any glass has an Abbe number or a dispersion formula, so that the wavelength matters.
+    /// Returns whether any glass has an Abbe number or a dispersion formula, so that the wavelength matters.
     pub fn is_dispersive(&self) -> bool {
         self.interfaces.iter().any(|interface| interface.medium.is_dispersive())
     }
@@ -267,22 +272,22 @@ pub type Terms = [f64; LAST_POWER - FIRST_POWER + 1];
 /// The terms of a pure conic: all 0.
 pub const NO_TERMS: Terms = [0.0; LAST_POWER - FIRST_POWER + 1];
 
-/// A surface of revolution: z = c r²/(1 + √(1 - (1 + k) c² r²)) + Σ `A_i` r^i, with c = 1/radius, z the distance from
-/// the vertex plane toward the film and r the distance from the axis (W. J. Smith, *Modern Optical Engineering*, on
-/// aspheric surfaces).
+/// A surface of revolution: z = c r²/(1 + √(1 - (1 + k) c² r²)) + Σ `A_i` r^i, where c = 1/radius, z is the distance
+/// from the vertex plane toward the film, and r is the distance from the axis (W. J. Smith, *Modern Optical
+/// Engineering*, on aspheric surfaces).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Asphere {
     /// Signed vertex radius of the conic, mm; infinite if the base is a plane, never 0.
     pub radius: f64,
-    /// The conic constant k: 0 for a sphere, -1 for a paraboloid, less for a hyperboloid, between -1 and 0 for a
-    /// prolate ellipsoid, more than 0 for an oblate one.
+    /// The conic constant k: 0 for a sphere, -1 for a paraboloid, less than -1 for a hyperboloid, between -1 and 0 for
+    /// a prolate ellipsoid, more than 0 for an oblate ellipsoid.
     pub conic: f64,
     /// A2, A3, … A30, in mm^(1 - i).
     pub terms: Terms,
 }
 
 impl Asphere {
-    /// Returns the semi-diameter at which the conic ends, mm: half the width of an ellipsoid, infinite for an open
+    /// Returns the semi-diameter at which the conic ends, mm: half the width of an ellipsoid; infinite for an open
     /// surface.
     pub fn widest(&self) -> f64 {
         if self.conic > -1.0 { self.radius.abs() / (1.0 + self.conic).sqrt() } else { f64::INFINITY }
@@ -298,13 +303,15 @@ impl Asphere {
     }
 }
 
-/// Facts as stated by the file, or by the patent that it is taken from.
+/// Facts stated by the file, or by the patent from which the file was made.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Stated {
     /// The year of the patent or book.
     pub year: Option<u16>,
-    /// F-number of a lens without positions; with positions, each [`Position`](super::Position) has its own.
+    /// F-number of a lens without positions. In a lens with positions, each [`Position`](super::Position) has its own
+    /// f-number.
     pub fnumber: Option<f64>,
-    /// Full field of view in degrees, of the lens or of each of its positions in order; empty if the file states none.
+    /// Full fields of view in degrees: one for the lens, or one for each of its positions, in order. Empty if the file
+    /// states none.
     pub fields: Vec<Option<f64>>,
 }

@@ -1,16 +1,17 @@
 //! Lens descriptions: a designer's table, before any optics.
 //!
-//! [`Prescription`] is the model. [`read`] makes one from the text of a lens file in any supported format (see
-//! `reader`). [`catalogue`] holds the built-in lenses, `load` finds a lens by file or name, and [`glass`] gives
-//! the index of a medium at a wavelength.
+//! [`Prescription`] is the model. [`read`] builds one from the text of a lens file in any supported format (see
+//! `reader`). [`catalogue`] holds the built-in lenses, `load` finds a lens by file or name, and [`glass`] gives the
+//! index of a medium at a wavelength.
 //!
-//! Path from a camera's parameter to a lens: `camera/setup/prescribed.rs` passes the name to `optics/imaging/open.rs`.
-//! There `split_scale` and `load` (`source`) find the file or the catalogue's text, and [`read`] (`reader`) makes the
-//! prescription. `imaging/open.rs` then scales it and sets it up at a wavelength and stop.
+//! A camera's parameter leads to a lens as follows. `camera/setup/prescribed.rs` passes the name to
+//! `optics/imaging/open.rs`. There, `split_scale` and `load` (`source`) find the file or the text in the catalogue, and
+//! [`read`] (`reader`) builds the prescription. `imaging/open.rs` then scales the prescription and sets up the lens at
+//! a wavelength and stop.
 //!
 //! Lengths are in millimetres. Interfaces are in the order of the file, scene side first. [`MAX_FILE_BYTES`],
 //! [`MAX_INTERFACES`] and [`MAX_NAME_BYTES`] limit the input. Larger input is refused before anything is computed from
-//! it: no real lens comes near these limits, and a file from elsewhere must not keep its reader busy. Every reader
+//! it. No real lens comes near these limits, and a file from elsewhere must not keep the program busy. Every reader
 //! reports an error in a file as [`LensFileError`], with its location.
 
 mod blades;
@@ -38,7 +39,7 @@ pub use reader::{read, read_with};
 pub use source::{SearchPath, SourceError, glass_library};
 pub(crate) use source::{load, split_scale};
 
-/// An error in a lens file. It is shown as `file:line:column: what was expected`.
+/// An error in a lens file, shown as `file:line:column: what was expected`.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{file}:{line}:{column}: {message}")]
 pub struct LensFileError {
@@ -48,11 +49,11 @@ pub struct LensFileError {
     pub line: usize,
     /// Column in bytes, counted from 1.
     pub column: usize,
-    /// The fault, what was expected and how to write it.
+    /// The fault, what was expected instead, and how to write it.
     pub message: String,
 }
 
-/// Maximum size of a lens file, in bytes: 1 MiB. Real files have a few thousand.
+/// Maximum size of a lens file, in bytes: 1 MiB. Real files have a few thousand bytes.
 pub const MAX_FILE_BYTES: u64 = 1 << 20;
 
 /// Maximum number of interfaces of a lens, and of glasses that a lens file defines.
@@ -69,13 +70,14 @@ pub const MAX_NAME_BYTES: usize = 255;
 pub const MAX_CATALOG_BYTES: u64 = 8 << 20;
 
 /// Maximum number of glasses of a catalogue, and of all catalogues beside a lens file together. All makers together
-/// have some 5,000.
+/// have some 5,000 glasses.
 pub const MAX_CATALOG_GLASSES: usize = 20_000;
 
 /// Maximum number of catalogues that are read beside a lens file.
 pub(crate) const MAX_CATALOGS: usize = 64;
 
-/// Maximum size of a glass's entry in a catalogue, in bytes. Real entries have three thousand, mostly transmittances.
+/// Maximum size of a glass's entry in a catalogue, in bytes. Real entries have three thousand bytes, mostly
+/// transmittances.
 const MAX_GLASS_BYTES: usize = 1 << 14;
 
 /// Maximum number of positions of a lens's moving groups.

@@ -1,24 +1,25 @@
 //! Moving groups: the gaps of a lens that change as it zooms or focuses, at each of the positions that its table lists.
-//! Also the layout of such a table: which columns are zoom positions, and which repeat them with a nearer focus.
+//! Also the layout of such a table: which columns are zoom positions, and which columns repeat the zoom positions with
+//! a nearer focus.
 
 /// The positions of a lens with moving groups, in the order of its table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Positions {
-    /// The interfaces with a variable gap behind them, counted from 0 at the scene side, in ascending order. The last
-    /// interface's gap is the distance to the film.
+    /// The interfaces with a variable gap behind them, counted from 0 at the scene side, in ascending order. The gap
+    /// behind the last interface is the distance to the film.
     pub gaps: Vec<usize>,
     /// The positions; at least one.
     pub columns: Vec<Position>,
 }
 
 /// One position of the groups: a column of the table. Values that the table does not state are `None`. A stated focal
-/// length or f-number does not move the groups: the former only extends a zoom's range by rounding, the latter sets a
-/// missing stop diameter of a zoom.
+/// length or f-number does not move the groups. A stated focal length only extends the range of a zoom by rounding; a
+/// stated f-number sets a missing stop diameter of a zoom.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Position {
     /// The name of the position, if it has one.
     pub name: Option<String>,
-    /// The gaps in mm, 0 or more, one for each of [`Positions::gaps`].
+    /// The gaps in mm, one for each of [`Positions::gaps`]; negative only beside a plane that only limits rays.
     pub gaps: Vec<f64>,
     /// Clear diameter of the stop, mm, if it varies.
     pub stop_diameter: Option<f64>,
@@ -35,7 +36,7 @@ pub struct Position {
 pub struct Layout {
     /// Number of zoom positions; 1 for a prime lens.
     pub zooms: usize,
-    /// Number of focus distances per zoom position; the first is the farthest.
+    /// Number of focus distances for each zoom position; the first distance is the farthest.
     pub steps: usize,
 }
 
@@ -54,10 +55,10 @@ impl Position {
 }
 
 impl Positions {
-    /// Returns the numbers of zoom positions and focus steps, for the order that Optical Bench tables and patents use.
-    /// The leading columns with the first column's object distance, usually infinity, are the zoom positions. The same
-    /// number of columns in the same order follows for each nearer object. Columns after the last complete step are
-    /// ignored.
+    /// Returns the numbers of zoom positions and focus steps, for columns in the order that Optical Bench tables and
+    /// patents use. The leading columns with the object distance of the first column, usually infinity, are the zoom
+    /// positions. The same number of columns in the same order follows for each nearer object. Columns after the last
+    /// complete step are ignored.
     pub fn layout(&self) -> Layout {
         let first = self.columns[0].vergence();
         let zooms = self.columns.iter().take_while(|column| column.vergence() == first).count();
@@ -67,9 +68,9 @@ impl Positions {
         Layout { zooms, steps: 1 + (1..self.columns.len() / zooms).take_while(is_step).count() }
     }
 
-    /// Returns the columns that pair, in the order of [`Self::layout`]. A table may also list each zoom position
-    /// together with its nearer objects. In any other order only the columns with the first column's object distance,
-    /// the zoom positions, remain.
+    /// Returns the columns that pair zoom positions with focus steps, in the order of [`Self::layout`]. A table may
+    /// also list each zoom position together with its nearer objects. For a table in any other order, only the zoom
+    /// positions remain: the columns with the object distance of the first column.
     pub(super) fn paired(&self) -> Vec<usize> {
         let vergences: Vec<f64> = self.columns.iter().map(Position::vergence).collect();
         let count = vergences.len();
@@ -139,7 +140,7 @@ mod tests {
             (&[FAR, FAR, FAR, 500.0][..], &[0, 1, 2][..]),
             (&[FAR, FAR, 600.0, 900.0, 140.0], &[0, 1, 2, 3]),
             (&[FAR, 500.0, 600.0], &[0, 1]),
-            // Order: wide far, wide near, tele far, tele near.
+            // The order is wide far, wide near, tele far, tele near.
             (&[FAR, 500.0, FAR, 300.0], &[0, 2, 1, 3]),
             (&[FAR, 500.0, FAR, 300.0, 200.0], &[0, 2]),
             (&[500.0, FAR, FAR], &[0]),

@@ -1,5 +1,5 @@
 //! Finds a lens by the name that a caller gives: a file as given, a file along a search path, or a lens of the
-//! catalogue. The name may end in the focal length to scale the lens to (`NAME@35mm`).
+//! catalogue. The name may end with a focal length to which the lens is to be scaled (`NAME@35mm`).
 
 use std::{
     collections::BTreeSet,
@@ -16,25 +16,25 @@ use super::{
     glass::GlassLibrary, interfaces::Prescription, reader::read_with,
 };
 
-/// The directories to search for relative lens file names, in order, after the working directory.
+/// The directories in which relative names of lens files are searched, in order, after the working directory.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SearchPath {
-    /// The directories, each once.
+    /// The directories, each listed once.
     directories: Vec<PathBuf>,
-    /// The canonical paths of the directories, by which repeated ones are recognised.
+    /// The canonical paths of the directories, by which repeated directories are recognised.
     canonical: BTreeSet<PathBuf>,
-    /// A note for messages: a directory that the user may expect in the path, but that is not searched.
+    /// A note for messages about a directory that the user may expect in the path, but that is not searched.
     unsearched: &'static str,
 }
 
 impl SearchPath {
-    /// Returns the directories of the environment variable `PBRT_SEARCHPATH` (separated by `:`).
+    /// Returns the search path of the directories in the environment variable `PBRT_SEARCHPATH` (separated by `:`).
     pub fn from_environment() -> Self {
         let list = std::env::var_os("PBRT_SEARCHPATH").unwrap_or_default();
         std::env::split_paths(&list).fold(Self::default(), |path, directory| path.then(Some(&directory)))
     }
 
-    /// Adds a directory that is searched last.
+    /// Adds a directory, which is searched last.
     #[must_use]
     pub fn then(mut self, directory: Option<&Path>) -> Self {
         let new = self.unknown(directory);
@@ -42,7 +42,7 @@ impl SearchPath {
         self
     }
 
-    /// Adds a directory that is searched first.
+    /// Adds a directory, which is searched first.
     #[must_use]
     pub fn first(mut self, directory: Option<&Path>) -> Self {
         let new = self.unknown(directory);
@@ -50,21 +50,21 @@ impl SearchPath {
         self
     }
 
-    /// Sets the note that messages add if no lens is found: directories that the user may expect here, but that are not
-    /// searched.
+    /// Sets the note that messages add if no lens is found. The note names directories that the user may expect here,
+    /// but that are not searched.
     #[must_use]
     pub fn without(self, unsearched: &'static str) -> Self {
         Self { unsearched, ..self }
     }
 
-    /// Returns the directory if it is new and not empty, and remembers it.
+    /// Returns the directory if it is new and its name is not empty, and remembers the directory.
     fn unknown(&mut self, directory: Option<&Path>) -> Option<PathBuf> {
         let directory = directory.filter(|directory| !directory.as_os_str().is_empty())?;
         let canonical = directory.canonicalize().unwrap_or_else(|_| directory.to_owned());
         self.canonical.insert(canonical).then(|| directory.to_owned())
     }
 
-    /// Lists the searched directories, for messages.
+    /// Lists the searched directories, for use in messages.
     fn in_words(&self) -> String {
         let directories = self.directories.iter().map(|directory| directory.display().to_string());
         let searched: Vec<String> =
@@ -72,10 +72,11 @@ impl SearchPath {
         searched.join(", ") + self.unsearched
     }
 
-    /// Returns the path of the first file of that name: as given, then in each directory.
+    /// Returns the path of the first file with that name: the file as given, then the file in each directory.
     ///
     /// # Errors
-    /// No such file; with the error of the first match that is not a regular file, if there is one.
+    /// No such file exists. The error has the reason for the first match that is not a regular file, if there is such a
+    /// match.
     fn find(&self, name: &str) -> Result<PathBuf, Option<SourceError>> {
         let given = Path::new(name);
         let directories = self.directories.iter().filter(|_| given.is_relative());
@@ -93,10 +94,10 @@ impl SearchPath {
     }
 }
 
-/// Whether a regular file exists at the path.
+/// Returns whether a regular file exists at the path.
 ///
 /// # Errors
-/// The path is something else, or cannot be examined; the text gives the reason why it cannot be read.
+/// The path leads to something else, or cannot be examined. The text gives the reason why the path cannot be read.
 fn is_file(path: &Path) -> Result<bool, String> {
     match std::fs::metadata(path) {
         Ok(found) if found.is_file() => Ok(true),
@@ -121,7 +122,7 @@ fn unreachable_file(error: &std::io::Error) -> Option<String> {
     }
 }
 
-/// An error of finding or reading a lens.
+/// An error in finding or reading a lens.
 #[derive(Debug, Error)]
 pub enum SourceError {
     /// The file was read, but is not a lens.
@@ -132,9 +133,9 @@ pub enum SourceError {
     NotFound {
         /// The name as given.
         name: String,
-        /// The directories that were searched, and those that were not.
+        /// The directories that were searched, and the directories that were not.
         searched: String,
-        /// A question with the most similar name of the catalogue, or all its names.
+        /// A question that suggests the most similar name in the catalogue, or a list of all names in the catalogue.
         known: String,
     },
     /// No glass catalogue has that name.
@@ -150,7 +151,7 @@ pub enum SourceError {
     NoFile {
         /// The path that exists.
         path: PathBuf,
-        /// Description of it, for the message.
+        /// A description of what exists at the path, for the message.
         why: String,
     },
     /// The file exists, but cannot be read.
@@ -169,7 +170,7 @@ pub enum SourceError {
     NameTooLong {
         /// The kind of name: a lens or a glass catalogue.
         what: &'static str,
-        /// The name's beginning.
+        /// The beginning of the name.
         start: String,
         /// The length of the name in bytes.
         length: usize,
@@ -182,12 +183,13 @@ pub enum SourceError {
     },
 }
 
-/// Splits `NAME@35mm` into the name of a table, a file's or the catalogue's, and the focal length to scale its lens to,
-/// mm, positive and finite. A name without `@`, or that of a file as given or along `search`, is a table alone.
+/// Splits `NAME@35mm` into the name of a table and a focal length. The table is a file or a lens of the catalogue; its
+/// lens is to be scaled to the focal length, mm, which is positive and finite. A name is not split if it has no `@`, or
+/// if it names a file as given or along `search`.
 ///
 /// # Errors
-/// The part after the `@` is not `<positive number>mm`, or the name has more than [`MAX_NAME_BYTES`] bytes without
-/// directories or [`MAX_PATH_BYTES`] with them.
+/// The part after the `@` is not `<positive number>mm`, or the name is too long: it has more than [`MAX_NAME_BYTES`]
+/// bytes without its directories, or more than [`MAX_PATH_BYTES`] with them.
 pub fn split_scale<'a>(name: &'a str, search: &SearchPath) -> Result<(&'a str, Option<f64>), SourceError> {
     check_length("lens", name)?;
     let Some((table, scale)) = name.rsplit_once('@').filter(|_| search.find(name).is_err()) else {
@@ -200,11 +202,12 @@ pub fn split_scale<'a>(name: &'a str, search: &SearchPath) -> Result<(&'a str, O
     }
 }
 
-/// Finds and reads a table: a file as given, then along `search`, then the catalogue. Named glasses are looked up in
-/// `library` and in the catalogues beside the file.
+/// Finds and reads a table: a file as given, then a file along `search`, then a lens of the catalogue. Named glasses
+/// are looked up in `library` and in the catalogues beside the file.
 ///
 /// # Errors
-/// No such lens, something other than a file, an unreadable file, or a file that is not a lens.
+/// No such lens exists, the path leads to something other than a file, the file is unreadable, or the file is not a
+/// lens.
 pub fn load(table: &str, search: &SearchPath, library: GlassLibrary) -> Result<Prescription, SourceError> {
     let no_file = match search.find(table) {
         Ok(path) => {
@@ -228,17 +231,18 @@ pub fn load(table: &str, search: &SearchPath, library: GlassLibrary) -> Result<P
     })
 }
 
-/// Returns the part of a file name that may be a name of the catalogue: without directories and `.dat`.
+/// Returns the part of a file name that may be a name in the catalogue: the part without directories and without
+/// `.dat`.
 fn catalogue_name(table: &str) -> &str {
     let name = table.rsplit(['/', '\\']).next().unwrap_or(table);
     name.strip_suffix(".dat").unwrap_or(name)
 }
 
-/// Reads a glass catalogue, a file as given or along `search`, for `load`; without a name, only the
-/// built-in glasses are available.
+/// Reads a glass catalogue for `load`, from a file as given or along `search`. Without a name, only the built-in
+/// glasses are available.
 ///
 /// # Errors
-/// No such file, an unreadable one, one that is not a catalogue, or a name that is too long.
+/// No such file exists, the file is unreadable or is not a catalogue, or the name is too long.
 pub fn glass_library(name: Option<&str>, search: &SearchPath) -> Result<GlassLibrary, SourceError> {
     let mut library = GlassLibrary::default();
     if let Some(name) = name {
@@ -250,7 +254,7 @@ pub fn glass_library(name: Option<&str>, search: &SearchPath) -> Result<GlassLib
     Ok(library)
 }
 
-/// Checks that a name is no longer than that of a file can be.
+/// Checks that a name is no longer than the name of a file can be.
 fn check_length(what: &'static str, name: &str) -> Result<(), SourceError> {
     let own = name.rsplit('/').next().unwrap_or(name);
     if own.len() <= MAX_NAME_BYTES && name.len() <= MAX_PATH_BYTES {
@@ -273,8 +277,8 @@ fn bytes_of(path: &Path, most: u64) -> Result<Vec<u8>, SourceError> {
     std::fs::File::open(path).and_then(|file| bounded(file, most)).map_err(unreadable)
 }
 
-/// Reads up to one byte more than the limit, from which the reader sees that a file is too large. The size that the
-/// system states beforehand can change meanwhile, and is 0 for files of `/proc`.
+/// Reads at most one byte more than the limit, so that the reader can see whether the file is too large. The size that
+/// the system states beforehand can change in the meantime, and is 0 for files of `/proc`.
 pub(super) fn bounded(source: impl Read, most: u64) -> std::io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     source.take(most + 1).read_to_end(&mut bytes)?;
@@ -380,7 +384,7 @@ mod tests {
             let path = directory.path().join(name).display().to_string();
             assert!(lens.remarks.iter().all(|remark| remark.contains(&path)), "{:?}", lens.remarks);
         }
-        // A path is never a name of the catalogue.
+        // A path is never a name in the catalogue.
         let path = directory.path().join("dgauss.50mm").display().to_string();
         assert_eq!(load(&path, &search, GlassLibrary::default()).expect("found").remarks, [""; 0]);
     }
@@ -424,7 +428,7 @@ mod tests {
         assert_eq!(twice.directories, [a.as_path()]);
         let both = twice.first(Some(&b)).first(Some(&a));
         assert_eq!(both.directories, [b.as_path(), &a]);
-        // On a long path, each directory is resolved once, not once per other directory.
+        // On a long search path, each directory is resolved once, and not once for each other directory.
         let many = (0..2000).fold(both.clone(), |path, i| path.then(Some(&here.path().join(format!("{i}")))));
         let again =
             (0..2000).fold(many.clone(), |path, i| path.then(Some(&here.path().join(format!("{i}")))));
@@ -466,7 +470,7 @@ mod tests {
         let unreadable =
             SourceError::Unreadable { path: "a.dat".into(), error: ErrorKind::PermissionDenied.into() };
         assert_eq!(unreadable.to_string(), "lens file \"a.dat\" cannot be read: permission denied");
-        // A directory with a name of the catalogue does not hide the lens.
+        // A directory with the name of a lens in the catalogue does not hide that lens.
         std::fs::create_dir(path("dgauss.50mm")).expect("made");
         let search = SearchPath::default().then(Some(here.path()));
         assert!(load("dgauss.50mm", &search, GlassLibrary::default()).is_ok());

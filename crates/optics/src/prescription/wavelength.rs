@@ -1,4 +1,5 @@
-//! The wavelength that a lens is for, and a check that its glasses have indices at another.
+//! The wavelength for which a lens is described, and a check that the glasses of the lens have indices at another
+//! wavelength.
 
 use super::{
     glass::{D_LINE, ORDINARY_WAVELENGTHS, refractive_index, two_numbers},
@@ -7,16 +8,18 @@ use super::{
 use realistic_base::message::{cut, short, some_of};
 
 impl Prescription {
-    /// Returns the wavelength that the lens is for, nm: the one that its file states, else the d line.
+    /// Returns the wavelength for which the lens is described, nm: the wavelength that its file states, otherwise the d
+    /// line.
     pub fn own_wavelength(&self) -> f64 {
         self.wavelength.unwrap_or(D_LINE)
     }
 
-    /// Checks that every glass has an index at a wavelength, nm, and returns warnings about glasses whose data do
-    /// not include it, or whose indices there are only guesses.
+    /// Checks that every glass has an index at a wavelength, nm. Returns warnings about glasses whose data do not
+    /// include this wavelength, or whose indices at this wavelength are only guesses.
     ///
     /// # Errors
-    /// The first glass without an index there, with the wavelengths at which it has one.
+    /// A glass has no index at the wavelength. The text names the first such glass, and the wavelengths at which it has
+    /// an index.
     pub fn check_wavelength(&self, wavelength: f64) -> Result<Vec<String>, String> {
         let mut beyond: Vec<String> = Vec::new();
         let mut has_two_numbers = false;

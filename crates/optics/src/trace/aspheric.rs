@@ -1,30 +1,31 @@
-//! Intersection of a ray with an aspheric surface, and the normal there, in numbers of any type.
+//! Intersection of a ray with an aspheric surface, and the normal at the intersection, in numbers of any type.
 //!
-//! In the frame of the vertex, with the axis along the travel, let u = x² + y², T(u) the terms, w = z - T and
-//! κ = 1 + k. The surface is G = (c/2)(u + κ w²) - w = 0 with q = 1 - κ c w > 0: the sheet and the half of the conic
-//! that contain the vertex, in a form without the root that vanishes at the conic's edge. G is positive before the
-//! surface. N = -∇G = (-m x, -m y, q), m = c + 2 q dT/du, is normal to it and points ahead. With V = n D and g = N·V,
-//! Newton's step along the ray is G/g.
+//! Coordinates are in the frame of the vertex, with the axis along the travel. Let u = x² + y², let T(u) be the terms,
+//! w = z - T and κ = 1 + k. The surface is G = (c/2)(u + κ w²) - w = 0 with q = 1 - κ c w > 0. The condition q > 0
+//! selects the sheet and the half of the conic that contain the vertex. This form has no root that vanishes at the edge
+//! of the conic. G is positive before the surface. N = -∇G = (-m x, -m y, q), with m = c + 2 q dT/du, is normal to the
+//! surface and points ahead. With V = n D and g = N·V, Newton's step along the ray is G/g.
 //!
-//! **Selection of the crossing.** The hit is the first crossing toward the side ahead. The ray counts as before the
-//! surface at the point where it left the last surface, or at the height of this surface's lowest point if that comes
-//! later. Newton's iteration may find a later crossing; for each ray it is proven that it did not. Let φ increase
-//! along the ray from negative values before the surface to 0 on it, with φ'' <= H everywhere. Then
-//! φ <= -φ'(t*) (t* - t) + H (t* - t)²/2 is negative from t* back to t* - 2 φ'(t*)/H, and no crossing lies there. φ
-//! is z minus the surface's height at (x, y), with φ' = g/q and H = -(least curvature) (Vx² + Vy²). Near the edge of
-//! a half ellipsoid, where this H grows without bound, φ is -G. If that proves nothing, the ray is followed from its
-//! start in steps that the same bound allows, which cannot skip a crossing.
+//! **Selection of the crossing.** The hit is the first crossing toward the side ahead. The search starts at the point
+//! where the ray left the last surface, or at the height of this surface's lowest point if the ray reaches that height
+//! later. There the ray counts as before the surface. Newton's iteration may find a later crossing; for each ray it is
+//! proven that it did not. Let φ increase along the ray from negative values before the surface to 0 on the surface,
+//! with φ'' <= H everywhere. Then φ <= -φ'(t*) (t* - t) + H (t* - t)²/2, which is negative from t* back to t* - 2
+//! φ'(t*)/H, so that no crossing lies in between. φ is z minus the surface's height at (x, y), with φ' = g/q and H =
+//! -(least curvature) (Vx² + Vy²). Near the edge of a half ellipsoid, where this H grows without bound, φ is -G
+//! instead. If the inequality proves nothing, the ray is followed from its start in steps that the same bound allows;
+//! such steps cannot skip a crossing.
 //!
-//! **Behind the equator.** Where q < 0 no point belongs to the surface, whatever the sign of G. If the surface is
-//! hollow toward the light and reaches the conic's equator, q = 0, a ray starts there, at the height of the surface's
-//! edge. It is followed by φ = q, in the same steps, to the equator, and from there on by -G. A ray that passes
-//! beside a surface that bulges toward the light also gets there; q then falls, and the same step finds that it does
-//! not rise to 0 again.
+//! **Behind the equator.** Where q < 0, no point belongs to the surface, whatever the sign of G. A ray starts behind
+//! the equator, at the height of the surface's edge, if the surface is hollow toward the light and reaches the equator
+//! of the conic, q = 0. Such a ray is followed by φ = q, in steps of the same kind, to the equator, and from the
+//! equator on by φ = -G. A ray that passes beside a surface that bulges toward the light also gets behind the equator.
+//! There q falls, and the same step finds that q does not rise to 0 again.
 //!
-//! **Scope of the proof.** The crossing found at t is the first one ahead of the ray's start: between the start and t
-//! the ray is before the surface or behind its equator. The proof does not cover points behind the start or beyond t.
-//! As z increases along the travel, light may pass through the lens in either direction: only the signs of the figure
-//! depend on it.
+//! **Scope of the proof.** The crossing found at t is the first crossing ahead of the ray's start: between the start
+//! and t the ray is before the surface or behind its equator. The proof does not cover points behind the start or
+//! beyond t. Because z increases along the travel, light may pass through the lens in either direction; only the signs
+//! of the figure depend on the direction.
 
 use super::{Blocked, State};
 use crate::{lens::Figure, prescription::FIRST_POWER};
@@ -33,24 +34,26 @@ use realistic_base::numeric::{Real, dot};
 /// An aspheric surface of a path, with z along the travel.
 #[derive(Clone, Debug)]
 pub struct Aspheric<R> {
-    /// The conic's curvature at its vertex, positive when its centre lies ahead.
+    /// The curvature of the conic at its vertex; positive if the centre of curvature lies ahead.
     pub curvature: R,
     /// 1 + k.
     pub kappa: R,
-    /// The square of a power of two near the clear semi-diameter: with s = u/unit all values of the terms stay in
+    /// The square of a power of two near the clear semi-diameter. With s = u/unit, all values of the terms stay in
     /// range.
     pub unit: R,
-    /// Coefficients of the even powers: their sum is s times this polynomial in s; mm.
+    /// Coefficients of the even powers, mm. The sum of the even terms is s times the polynomial in s with these
+    /// coefficients.
     pub even: Vec<R>,
-    /// Coefficients of the odd powers: their sum is s √s times this polynomial; mm.
+    /// Coefficients of the odd powers, mm. The sum of the odd terms is s √s times the polynomial in s with these
+    /// coefficients.
     pub odd: Vec<R>,
-    /// The square of the clear semi-diameter, mm²: beyond it T continues as a paraboloid.
+    /// The square of the clear semi-diameter, mm². Beyond it, T continues as a paraboloid.
     pub rim: R,
     /// Bounds for the proof that a crossing is the first.
     pub bend: Bend,
     /// The least and the greatest z inside the clear aperture, with a small margin.
     pub extent: [f64; 2],
-    /// Rounding error of G: |G| up to this counts as 0.
+    /// Rounding error of G. Values of |G| up to this error count as 0.
     pub tolerance: f64,
     /// The clear semi-diameter, mm.
     pub size: f64,
@@ -58,25 +61,26 @@ pub struct Aspheric<R> {
     n: f64,
 }
 
-/// Bounds of the surface's bending away from a ray, for the proof of the first crossing.
+/// Bounds on how fast the surface bends away from a ray, for the proof of the first crossing.
 #[derive(Clone, Copy, Debug)]
 pub struct Bend {
     /// Bound from the axis to the edge of the clear aperture.
     pub inside: BendBound,
-    /// Bound from the axis to the reach. There an ellipsoid that ends may bend a hundred times as much.
+    /// Bound from the axis to the reach. There an ellipsoid that ends may bend a hundred times as much as inside the
+    /// aperture.
     pub beyond: BendBound,
-    /// Whether φ is the height above the surface; else φ is -G.
+    /// Whether φ is the height above the surface; otherwise φ is -G.
     pub by_height: bool,
-    /// Bound of q'' as far as the reach, for surfaces where φ is -G.
+    /// Bound on q'' from the axis to the reach, for surfaces where φ is -G.
     pub equator: BendBound,
     /// The squared distance from the axis up to which the bounds hold.
     pub reach: f64,
 }
 
-/// A bound of φ'': at most `along` + `across` (Vx² + Vy²).
+/// A bound on φ'': φ'' is at most `along` + `across` (Vx² + Vy²).
 #[derive(Clone, Copy, Debug)]
 pub struct BendBound {
-    /// Part for every direction, 1/mm.
+    /// Part of the bound that is the same for every direction, 1/mm.
     pub along: f64,
     /// Factor of Vx² + Vy², 1/mm.
     pub across: f64,
@@ -94,34 +98,34 @@ struct Contact<R> {
     height_squared: R,
 }
 
-/// Maximum number of steps of Newton's iteration; double-double numbers take 8 on a telephone's lens.
+/// Maximum number of steps of Newton's iteration. Double-double numbers take 8 steps on a phone lens.
 const NEWTON_STEPS: u32 = 24;
-/// Factor by which rounding may move a squared distance past its bound.
+/// Factor by which rounding may move a squared distance beyond the bound on it.
 const BESIDE: f64 = 1.0 + 1e-6;
 /// Maximum number of steps of a march along a ray.
 const MARCH_STEPS: u32 = 256;
 
 impl Bend {
-    /// Largest distance from the axis to which the bounds hold, in clear semi-diameters.
+    /// Largest distance from the axis up to which the bounds hold, in clear semi-diameters.
     const REACH: f64 = 3.0;
-    /// Least 1 - κ c² r² at the clear semi-diameter for φ by height: below this, near half an ellipsoid, heights bend
-    /// too much.
+    /// Least value of 1 - κ c² r² at the clear semi-diameter for which φ is the height. Below this value, near half an
+    /// ellipsoid, heights bend too much.
     const STEEP: f64 = 0.05;
 
-    /// Computes the bounds for a figure of curvature `c` and `kappa` = 1 + k, z along the travel, in a medium of
-    /// index `n`.
+    /// Computes the bounds for a figure with curvature `c` and `kappa` = 1 + k in a medium of index `n`, with z along
+    /// the travel.
     fn of([c, kappa]: [f64; 2], semi_diameter: f64, bounds: &TravelBounds, n: f64) -> Self {
         let root_squared = |reach: f64| 1.0 - kappa * (c * reach).powi(2);
         let root_squared_at_edge = root_squared(semi_diameter);
         if kappa > 0.0 && root_squared_at_edge < Self::STEEP {
             return Self::of_half([c, kappa], semi_diameter, bounds, n);
         }
-        // If the ellipsoid ends earlier, the reach is the radius where the root is half of that at the clear
-        // semi-diameter.
+        // If the ellipsoid ends before `REACH`, the reach is the radius where √(1 - κ c² r²) is half of its value at
+        // the clear semi-diameter.
         let ends = (1.0 - root_squared_at_edge / 4.0) / (kappa * (c * semi_diameter).powi(2));
         let reach = if kappa > 0.0 { ends.sqrt().clamp(1.0, Self::REACH) } else { Self::REACH };
-        // Beyond the clear aperture a paraboloid is added to the conic, whose curvatures c/√… and c/√…³ are
-        // monotonic.
+        // Beyond the clear aperture a paraboloid is added to the conic. The curvatures of the conic, c/√… and c/√…³,
+        // are monotonic.
         let conic = [semi_diameter, reach * semi_diameter].map(|r| root_squared(r).sqrt());
         let least = conic.iter().flat_map(|root| [c / root, c / root.powi(3)]).fold(f64::INFINITY, f64::min);
         let beyond = if c == 0.0 { 0.0 } else { least } + bounds.edge_curvature;
@@ -135,18 +139,18 @@ impl Bend {
         }
     }
 
-    /// Computes the bounds from -G'' = -c (Vx² + Vy² + κ w'²) + q w'', w' = Vz - dT/dr dr/dt, which stays finite at
-    /// the end of a half ellipsoid, and from q'' = -κ c w''.
+    /// Computes the bounds from two equations: -G'' = -c (Vx² + Vy² + κ w'²) + q w'', where w' = Vz - dT/dr dr/dt, and
+    /// q'' = -κ c w''. -G'' stays finite at the end of a half ellipsoid.
     fn of_half([c, kappa]: [f64; 2], semi_diameter: f64, bounds: &TravelBounds, n: f64) -> Self {
         let [least, most] = bounds.terms_curvature;
-        // -w'' is the curvature of the terms times Vx² + Vy².
+        // -w'' is the curvature of the terms multiplied by Vx² + Vy².
         let largest = |factor: f64| (factor * least).max(factor * most).max(0.0);
         let bound = |reach: f64| {
-            // Out to 3 radii the paraboloid beyond the clear aperture triples the slope and adds (3² - 1)/2 of slope
-            // times radius.
+            // Out to 3 radii, the paraboloid beyond the clear aperture triples the slope, and adds (3² - 1)/2 times the
+            // slope times the radius to the terms.
             let slope = reach * bounds.terms_slope;
             let terms = bounds.terms + (reach * reach - 1.0) / 2.0 * bounds.terms_slope * semi_diameter;
-            // Bounds of w and therefore q at the heights of the surface, on either side of the equator.
+            // Bounds on w, and therefore on q, at the heights of the surface, on either side of the equator.
             let q = [bounds.extent[0] - terms, bounds.extent[1] + terms].map(|w| 1.0 - kappa * c * w);
             BendBound {
                 // |w'| <= |Vz| + slope √(Vx² + Vy²) <= n √(1 + slope²).
@@ -164,12 +168,12 @@ impl Bend {
     }
 }
 
-/// A figure's bounds with z along the travel.
+/// The bounds of a figure, with z along the travel.
 struct TravelBounds {
     extent: [f64; 2],
     /// The least curvature of the figure.
     curvature: f64,
-    /// The curvature of the terms' paraboloid beyond the clear aperture.
+    /// The curvature of the paraboloid with which the terms continue beyond the clear aperture.
     edge_curvature: f64,
     terms: f64,
     terms_slope: f64,
@@ -177,8 +181,8 @@ struct TravelBounds {
 }
 
 impl<R: Real> Aspheric<R> {
-    /// Makes the figure as met by light in a medium of index `n` that travels toward the film (`forward`) or the
-    /// scene.
+    /// Builds the figure as light meets it in a medium of index `n`. The light travels toward the film if `forward`,
+    /// otherwise toward the scene.
     pub fn new(figure: &Figure, forward: bool, n: f64) -> Self {
         let sign = if forward { 1.0 } else { -1.0 };
         let Figure { asphere, rim, bounds } = figure;
@@ -223,18 +227,18 @@ impl<R: Real> Aspheric<R> {
         }
     }
 
-    /// Whether the figure has no terms.
+    /// Returns whether the figure has no terms.
     pub fn is_conic(&self) -> bool {
         self.even.is_empty() && self.odd.is_empty()
     }
 
-    /// Moves the ray to the surface; the hit may lie up to `slack` (in units of V) before the ray's last point.
+    /// Moves the ray to the surface. The hit may lie up to `slack` (in units of V) before the last point of the ray.
     pub(super) fn meet(&self, state: &mut State<R>, slack: R) -> Result<(), Blocked> {
         let State { p, v, lead } = *state;
         if !(v[2] > R::ZERO) {
             return Err(Blocked::TurnedBack);
         }
-        // Starts from the vertex plane, where lengths are of the surface's own scale.
+        // The search starts from the vertex plane, where lengths are of the same scale as the surface.
         let to_plane = -p[2] / v[2];
         let start = [p[0] + to_plane * v[0], p[1] + to_plane * v[1], R::ZERO];
         let (last, lowest) = (-(lead + to_plane) - slack, R::from_f64(self.extent[0]) / v[2]);
@@ -257,12 +261,12 @@ impl<R: Real> Aspheric<R> {
         }
     }
 
-    /// Returns [`Aspheric::first_crossing`] of a ray for which Newton's iteration has already proven nothing.
+    /// Returns [`Aspheric::first_crossing`] of a ray for which Newton's iteration has proven nothing.
     pub fn followed(&self, start: [R; 3], v: [R; 3], from: R) -> Result<R, Blocked> {
         self.march(&RayLine::new(start, v), from)
     }
 
-    /// Returns G and N·V on a ray, for the steps of Newton's iteration.
+    /// Returns G and N·V at a point of a ray, for the steps of Newton's iteration.
     pub fn residual(&self, start: [R; 3], v: [R; 3], t: R) -> [R; 2] {
         let contact = self.contact(&RayLine::new(start, v), t);
         [contact.residual, contact.facing]
@@ -301,7 +305,7 @@ impl<R: Real> Aspheric<R> {
         let t = t + contact.residual / contact.facing;
         let (zero, number) = (R::ZERO, R::from_f64);
         let span = t - from;
-        // On a line the distance from the axis is largest at an end.
+        // Along a line, the distance from the axis is largest at one of the two ends.
         let from_squared = line.height_squared(from);
         let reach = number(self.bend.reach);
         let near = contact.height_squared <= reach && from_squared <= reach;
@@ -312,7 +316,7 @@ impl<R: Real> Aspheric<R> {
         (near && first && contact.q > zero && contact.facing > zero).then_some(t)
     }
 
-    /// Marches along the ray from `from` to the first crossing.
+    /// Follows the ray in steps from `from` to the first crossing.
     fn march(&self, line: &RayLine<R>, from: R) -> Result<R, Blocked> {
         let number = R::from_f64;
         let Bend { inside, beyond, equator, .. } = &self.bend;
@@ -325,7 +329,7 @@ impl<R: Real> Aspheric<R> {
         let mut t = self.entry(line, from)?;
         for _ in 0..MARCH_STEPS {
             let contact = self.contact(line, t);
-            // Beyond the surface's extent in z, or outside the reach of the bounds.
+            // The point lies beyond the surface's extent in z, or outside the reach of the bounds.
             if !(t <= end && contact.height_squared <= number(self.bend.reach * BESIDE)) {
                 return Err(if outside(&contact) { Blocked::Clipped } else { Blocked::Missed });
             }
@@ -338,7 +342,7 @@ impl<R: Real> Aspheric<R> {
             if !(before > R::ZERO) {
                 return Err(if outside(&contact) { Blocked::Clipped } else { Blocked::TurnedBack });
             }
-            // The distance to the point where a parabola of this bend reaches 0, if it does.
+            // The step is the distance to the point where a parabola with this bend reaches 0, if it does.
             let two = number(2.0);
             let step_for = |bend: R| {
                 let root = (facing * facing + two * bend * before).sqrt();
@@ -360,19 +364,19 @@ impl<R: Real> Aspheric<R> {
         R::from_f64(bound.along) + R::from_f64(bound.across) * (vx * vx + vy * vy)
     }
 
-    /// Returns the crossing next to a point that lies within rounding of it.
+    /// Returns the exact crossing near a point that lies within rounding error of it.
     fn refine(&self, line: &RayLine<R>, mut t: R) -> Result<R, Blocked> {
         for _ in 0..2 {
             let contact = self.contact(line, t);
             t = t + contact.residual / contact.facing;
         }
-        // The conic's other half or sheet is not part of the surface. If a ray barely dips below the surface, the steps
-        // may end where it comes back up, which is not a crossing toward the side ahead.
+        // The other half or sheet of the conic is not part of the surface. If a ray barely dips below the surface, the
+        // steps may end where the ray comes back up, which is not a crossing toward the side ahead.
         let Contact { q, facing, .. } = self.contact(line, t);
         if q > R::ZERO && facing > R::ZERO { Ok(t) } else { Err(Blocked::Missed) }
     }
 
-    /// Returns the first point of the ray, from `from` on, that is within the reach of the bounds.
+    /// Returns the first point of the ray, from `from` on, that lies within the reach of the bounds.
     fn entry(&self, line: &RayLine<R>, from: R) -> Result<R, Blocked> {
         let reach = R::from_f64(self.bend.reach);
         let [x, y, _] = line.at(from);
@@ -382,12 +386,12 @@ impl<R: Real> Aspheric<R> {
         let ([x, y, _], [vx, vy, _]) = (line.start, line.v);
         let (across, along) = (vx * vx + vy * vy, x * vx + y * vy);
         let entry = -(along + (along * along - across * (x * x + y * y - reach)).sqrt()) / across;
-        // Negated so that a ray that never comes within reach is also blocked.
+        // The condition is negated so that a ray that never comes within reach is also blocked.
         if !(entry > from) { Err(Blocked::Clipped) } else { Ok(entry) }
     }
 
-    /// Returns -q and q' if the ray is behind the equator and φ is -G; with φ by height, no equator lies within
-    /// reach. Within √ε of the equator the conic is as wide as at the equator, up to rounding, and -G serves.
+    /// Returns -q and q' if the ray is behind the equator and φ is -G. If φ is the height, no equator lies within
+    /// reach. Where q is within √ε of 0, the conic is as wide as at the equator, up to rounding, and -G is used as φ.
     fn behind_equator(&self, line: &RayLine<R>, t: R, contact: &Contact<R>) -> Option<(R, R)> {
         if self.bend.by_height || !(contact.q < R::from_f64(-R::EPSILON.sqrt())) {
             return None;
@@ -398,7 +402,7 @@ impl<R: Real> Aspheric<R> {
         Some((-contact.q, -(self.kappa * self.curvature * rise)))
     }
 
-    /// Returns -φ and φ', for the φ that [`Bend`] bounds inside the clear aperture and beyond.
+    /// Returns -φ and φ', for the φ whose bounds inside and beyond the clear aperture are in [`Bend`].
     fn measure(&self, line: &RayLine<R>, t: R, contact: &Contact<R>) -> (R, R) {
         if !self.bend.by_height {
             return (contact.residual, contact.facing);
@@ -429,7 +433,7 @@ impl<R: Real> Aspheric<R> {
 
     /// Returns T and dT/du at u = r².
     fn terms(&self, u: R) -> [R; 2] {
-        // NaN stays NaN.
+        // The comparison keeps NaN as NaN.
         let inside = if u > self.rim { self.rim } else { u };
         let [value, slope] = self.terms_inside(inside);
         [value + slope * (u - inside), slope]
@@ -450,7 +454,7 @@ impl<R: Real> Aspheric<R> {
         [value, slope / self.unit]
     }
 
-    /// Returns the unit normal at a point of the surface, toward the side ahead.
+    /// Returns the unit normal at a point of the surface, pointing to the side ahead.
     pub fn normal(&self, [x, y, z]: [R; 3]) -> [R; 3] {
         let [terms, slope] = self.terms(x * x + y * y);
         let q = R::ONE - self.kappa * self.curvature * (z - terms);

@@ -1,22 +1,23 @@
 //! Exact tracing of rays through a lens.
 //!
-//! [`Path`] is a lens made ready for one direction of travel; [`Path::walk`] traces one ray through it and reports
-//! why a ray is blocked ([`Blocked`]). The same code serves both directions: a path measures z along the travel, so
-//! that scene to film is film to scene with the surfaces in reverse order and their curvatures negated.
-//! `realistic_trace::kernel::Kernel` is the same lens compiled for speed.
+//! [`Path`] is a lens made ready for one direction of travel; [`Path::walk`] traces one ray through it and reports why
+//! a ray is blocked ([`Blocked`]). The same code serves both directions. A path measures z along the travel, so that a
+//! path from scene to film is a path from film to scene with the surfaces in reverse order and their curvatures
+//! negated. `realistic_trace::kernel::Kernel` is the same lens compiled for speed.
 //!
-//! **Method.** A ray is a point P and V = n D, its direction D times the refractive index n. At each surface:
+//! **Method.** A ray is a point P and a vector V = n D, its direction D times the refractive index n. At each surface:
 //!
 //! 1. P is moved into the frame of the next surface's vertex: the distance between the vertices is subtracted from z.
-//! 2. The ray meets a sphere or plane of curvature c at P + t V, t = 2 f/(g + e), with f = (c/2) P·P - z and g = N·V
-//!    at P, and e = √(g² - 2 c n² f) = n cos I at the hit (`surface`). It meets an aspheric surface by Newton's
-//!    iteration, with a proof that the crossing is the first (`aspheric`).
-//! 3. The point is tested against the clear aperture, and in the stop against the figure of the blades (`surface`).
-//! 4. Snell's law, with N the unit normal and n' the index behind: V' = V + (e' - e) N,
-//!    e' = √(e² + n'² - n²) = n' cos I' (W. J. Smith, *Modern Optical Engineering*). A negative number under the root
-//!    means total reflection.
+//! 2. The ray meets a sphere or plane of curvature c at P + t V, where t = 2 f/(g + e). Here f = (c/2) P·P - z and
+//!    g = N·V at P, and e = √(g² - 2 c n² f) = n cos I at the hit (`surface`). The hit on an aspheric surface is found
+//!    by Newton's iteration, with a proof that it is the first crossing (`aspheric`).
+//! 3. The point is tested against the clear aperture and, in the stop, against the figure of the blades (`surface`).
+//! 4. V is refracted by Snell's law: V' = V + (e' - e) N, where N is the unit normal, n' the index behind the surface,
+//!    and e' = √(e² + n'² - n²) = n' cos I' (W. J. Smith, *Modern Optical Engineering*). A negative number under the
+//!    root means total reflection.
 //!
-//! `path` is the loop over the surfaces. `realistic_trace::polynomial` replaces all of this by fitted polynomials.
+//! `path` is the loop over the surfaces. `realistic_trace::polynomial` replaces this whole method by fitted
+//! polynomials.
 
 use thiserror::Error;
 
@@ -37,7 +38,7 @@ pub enum Blocked {
     /// The ray misses a surface.
     #[error("missed")]
     Missed,
-    /// The ray meets a surface outside the clear aperture.
+    /// The ray meets a surface outside the clear aperture of that surface.
     #[error("clipped")]
     Clipped,
     /// The ray is totally reflected.
@@ -48,11 +49,11 @@ pub enum Blocked {
     TurnedBack,
 }
 
-/// A ray between surfaces: position and V = n D in the frame of the current vertex.
+/// A ray between surfaces: its position and V = n D, in the frame of the current vertex.
 #[derive(Clone, Copy)]
 pub struct State<R> {
     p: [R; 3],
     v: [R; 3],
-    /// Distance by which the ray was advanced since its origin or its last refraction, in units of V.
+    /// Distance, in units of V, by which the ray was advanced since its origin or its last refraction.
     lead: R,
 }

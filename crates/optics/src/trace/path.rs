@@ -1,5 +1,5 @@
 //! A lens made ready for tracing in one direction. Traces rays surface by surface and reports why a ray is blocked.
-//! The reference for the fast kernel, in numbers of any type.
+//! This code, in numbers of any type, is the reference for the fast kernel.
 
 use std::{
     borrow::{Borrow, Cow},
@@ -19,21 +19,21 @@ use realistic_base::numeric::{Real, cross, difference_of_products, dot, in_range
 /// Direction of travel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
-    /// From the film, toward +z.
+    /// Travel from the film, toward +z.
     FilmToScene,
-    /// From the scene, toward -z.
+    /// Travel from the scene, toward -z.
     SceneToFilm,
 }
 
 /// Result of tracing a ray as far as it gets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Walk {
-    /// The point on the last surface met and the unit direction behind it; the input ray, with its direction
-    /// normalised, if the ray meets no surface.
+    /// The point on the last surface met, and the unit direction behind that surface. If the ray meets no surface, this
+    /// is the input ray with its direction normalised.
     pub ray: Ray,
     /// Number of surfaces met.
     pub surfaces_met: usize,
-    /// The reason why the ray is blocked there, if it is.
+    /// The reason why the ray is blocked at the last surface, if it is.
     pub blocked: Option<Blocked>,
 }
 
@@ -44,23 +44,24 @@ pub struct Intersection<R> {
     pub surface: usize,
     /// The point on the surface, x and y, mm.
     pub point: [R; 2],
-    /// The square of the distance from the axis over that of the clear semi-diameter.
+    /// The square of the ratio of the point's distance from the axis to the clear semi-diameter.
     pub ratio: R,
 }
 
-/// One meeting of a path with a surface.
+/// One encounter of a path with a surface.
 #[derive(Clone, Copy)]
 struct Station {
     /// Index of the surface, counted along the path's direction.
     along: usize,
-    /// Whether rays meet the surface against that direction.
+    /// Whether rays meet the surface against the path's direction.
     is_backward: bool,
-    /// Whether the surface reflects them.
+    /// Whether the surface reflects the rays.
     is_mirror: bool,
 }
 
-/// Returns the stations of a path over `surfaces` surfaces, each a neighbour of the one before: all surfaces in
-/// turn, or with a reflection at `turns[1]` and then another at `turns[0]`, which lies before it.
+/// Returns the stations of a path over `surfaces` surfaces, where consecutive stations are neighbouring surfaces.
+/// Without `turns` the path meets all surfaces in turn. With `turns` it is reflected first at `turns[1]` and then at
+/// `turns[0]`, which lies before `turns[1]`.
 fn stations(surfaces: usize, turns: Option<[usize; 2]>) -> impl Iterator<Item = Station> + Clone {
     let [near, far] = turns.unwrap_or([surfaces; 2]);
     let is_mirror = move |along: usize, mirror: usize| turns.is_some() && along == mirror;
@@ -71,7 +72,8 @@ fn stations(surfaces: usize, turns: Option<[usize; 2]>) -> impl Iterator<Item = 
     first.chain((near..far).rev().map(back)).chain((near + 1..surfaces).map(passed))
 }
 
-/// A ray at a surface, in the frame of its vertex with z along the travel, as reported by [`Path::meetings`].
+/// A ray at a surface, as [`Path::meetings`] reports it. Coordinates are in the frame of the surface's vertex, with z
+/// along the travel.
 #[derive(Clone, Copy, Debug)]
 pub struct Meeting {
     /// Index of the surface, counted along the path's direction.
@@ -86,7 +88,7 @@ pub struct Meeting {
     pub point: [f64; 2],
     /// V = n D before the surface.
     pub v: [f64; 3],
-    /// Unit normal at the point, toward the side ahead.
+    /// Unit normal at the point, pointing to the side ahead.
     pub normal: [f64; 3],
     /// Distance from the previous meeting, mm; 0 at the first.
     pub way: f64,
@@ -99,18 +101,18 @@ pub struct StepKind {
     pub surface: usize,
     /// Refractive index before the surface.
     pub n: f64,
-    /// Refractive index behind the surface, also for a mirror, which the ray does not pass.
+    /// Refractive index behind the surface. This also holds for a mirror, behind which the ray does not go.
     pub n_behind: f64,
     /// Whether the ray is reflected.
     pub is_mirror: bool,
 }
 
-/// Squared cosine of the angle to the axis below which a ray meets the first vertex plane too far out to start from
-/// there.
+/// Squared cosine of a ray's angle to the axis. Below this value, the ray meets the first vertex plane too far out to
+/// start from there.
 const STEEP: f64 = 0.01;
 
-/// [`PathSurface::slack`] of surfaces that touch: larger than the distance of any hit behind a ray. Infinity would
-/// become NaN in double-double numbers.
+/// [`PathSurface::slack`] of surfaces that touch: larger than the distance of any hit behind a ray. An infinite value
+/// would become NaN in double-double numbers.
 const TOUCHING: f64 = 1e30;
 
 /// A lens made ready for tracing in one direction with numbers of type `R`.
@@ -119,28 +121,29 @@ pub struct Path<R = f64> {
     pub(super) steps: Vec<PathSurface<R>>,
     pub(super) direction: Direction,
     pub(super) refraction: Refraction,
-    /// z of the first vertex met, in lens space.
+    /// The z coordinate, in lens space, of the first vertex met.
     pub(super) entry: f64,
-    /// z of the last vertex met, in lens space.
+    /// The z coordinate, in lens space, of the last vertex met.
     pub(super) exit: f64,
 }
 
 impl<R: Real> Path<R> {
-    /// Makes `lens` ready for rays in `direction`, refracted by `refraction`.
+    /// Prepares `lens` for rays in `direction`, refracted by the method `refraction`.
     pub fn new(lens: &Lens, direction: Direction, refraction: Refraction) -> Self {
         Self::over(lens, direction, refraction, stations(lens.surfaces.len(), None))
     }
 
-    /// Makes a path that is reflected twice: at the surface `turns[1]`, counted along the travel, and then, on the
-    /// way back, at `turns[0]`, which lies before it. All surfaces between the two are met three times.
+    /// Builds a path that is reflected twice: at the surface `turns[1]`, counted along the travel, and then, on the way
+    /// back, at the surface `turns[0]`, which lies before `turns[1]`. The path meets all surfaces between the two
+    /// mirrors three times.
     ///
-    /// A reflection is refraction with n' = -n: z is measured along the travel, so that the frame turns round at a
-    /// mirror, and the surfaces between the mirrors are met as by rays of the opposite direction. Every test of a
-    /// ray is then the same as on a path without mirrors; a ray that turns past 90 degrees is
+    /// A reflection is a refraction with n' = -n. Because z is measured along the travel, the frame turns round at a
+    /// mirror, and the path meets the surfaces between the mirrors as rays of the opposite direction do. Every test of
+    /// a ray is then the same as on a path without mirrors. A ray that turns by more than 90 degrees is
     /// [`Blocked::TurnedBack`].
     ///
     /// # Panics
-    /// If `turns[0] < turns[1]` does not hold, or `turns[1]` is not a surface of the lens.
+    /// Panics if `turns[0] < turns[1]` does not hold, or `turns[1]` is not a surface of the lens.
     pub fn reflected(lens: &Lens, direction: Direction, refraction: Refraction, turns: [usize; 2]) -> Self {
         let [near, far] = turns;
         assert!(
@@ -150,7 +153,7 @@ impl<R: Real> Path<R> {
         Self::over(lens, direction, refraction, stations(lens.surfaces.len(), Some(turns)))
     }
 
-    /// Makes a path over the surfaces in the order of `order`, each a neighbour of the one before.
+    /// Builds a path that meets the surfaces in the order `order`. Consecutive surfaces in `order` are neighbours.
     fn over(
         lens: &Lens,
         direction: Direction,
@@ -162,10 +165,10 @@ impl<R: Real> Path<R> {
         if !forward {
             surfaces.reverse();
         }
-        // Distance between a surface and the one before it along the direction: the thickness belongs to the one on
-        // the scene's side.
+        // Distance between a surface and the surface before it along the direction. The distance is the thickness
+        // stored in whichever of the two is on the scene's side.
         let gap = |along: usize| surfaces[if forward { along - 1 } else { along }].thickness;
-        // The flag for contact between two neighbours belongs to the one on the film's side.
+        // The flag for contact between two neighbours is stored in the surface on the film's side.
         let touch = |a: usize, b: usize| surfaces[if forward { a.max(b) } else { a.min(b) }].is_contact;
         let (mut last, mut last_bent) = (None, None);
         let steps = order
@@ -183,7 +186,7 @@ impl<R: Real> Path<R> {
         Self { steps, direction, refraction, entry, exit }
     }
 
-    /// Returns the same path with blades in the lens's stop, if it has one. `lens` is the lens of the path.
+    /// Returns the same path with blades in the stop, if the lens has a stop. `lens` is the lens of the path.
     #[must_use]
     pub fn with_blades(mut self, lens: &Lens, blades: Option<Blades>) -> Self {
         if let (Some(blades), Some(stop)) = (blades, lens.stop_index()) {
@@ -198,15 +201,15 @@ impl<R: Real> Path<R> {
         self
     }
 
-    /// Returns the same path without blades, for searches of a pupil's edge: the figure of the blades lies inside
-    /// the stop's circle.
+    /// Returns the same path without blades, for searches of the edge of a pupil. The figure of the blades lies inside
+    /// the circle of the stop.
     #[must_use]
     pub fn without_blades(mut self) -> Self {
         self.steps.iter_mut().for_each(|step| step.blades = None);
         self
     }
 
-    /// Returns the same path without blades and with no aperture that blocks a ray.
+    /// Returns the same path without blades and without apertures that could block a ray.
     #[must_use]
     pub fn without_edges(self) -> Self {
         let mut path = self.without_blades();
@@ -214,7 +217,7 @@ impl<R: Real> Path<R> {
         path
     }
 
-    /// Returns the same path up to and including its first mirror; `None` if it has no mirror.
+    /// Returns the same path up to and including its first mirror; `None` if the path has no mirror.
     pub fn up_to_mirror(&self) -> Option<Self> {
         let mirror = self.steps.iter().position(|step| step.is_mirror)?;
         let steps = self.steps[..=mirror].to_vec();
@@ -223,13 +226,15 @@ impl<R: Real> Path<R> {
         Some(Self { steps, exit, ..*self })
     }
 
-    /// Returns the blades and the index of their surface, counted along the path; `None` without blades.
+    /// Returns the blades and the index of the surface that has them, counted along the path; `None` if the path has no
+    /// blades.
     pub fn blades(&self) -> Option<(usize, Blades)> {
         let blades = |step: &PathSurface<R>| step.blades.as_ref().map(|figure| figure.blades);
         self.steps.iter().enumerate().find_map(|(along, step)| Some((along, blades(step)?)))
     }
 
-    /// Estimates the time per ray in units of a sphere's or plane's: an asphere usually takes ten times as long.
+    /// Estimates the time for a ray, in units of the time for a sphere or plane. An asphere usually takes ten times as
+    /// long.
     pub fn work(&self) -> usize {
         self.surfaces() + 9 * self.aspheres()
     }
@@ -239,34 +244,35 @@ impl<R: Real> Path<R> {
         self.steps.iter().filter(|step| step.aspheric.is_some()).count()
     }
 
-    /// Returns the number of surfaces.
+    /// Returns the number of surfaces that the path meets.
     pub fn surfaces(&self) -> usize {
         self.steps.len()
     }
 
-    /// Returns the surfaces in the order in which they are met.
+    /// Returns the surfaces in the order in which the path meets them.
     pub fn steps(&self) -> &[PathSurface<R>] {
         &self.steps
     }
 
-    /// Makes a path from film to scene with the default refraction.
+    /// Builds a path from film to scene with the default refraction.
     pub fn film_to_scene(lens: &Lens) -> Self {
         Self::new(lens, Direction::FilmToScene, Refraction::default())
     }
 
-    /// Makes a path from scene to film with the default refraction.
+    /// Builds a path from scene to film with the default refraction.
     pub fn scene_to_film(lens: &Lens) -> Self {
         Self::new(lens, Direction::SceneToFilm, Refraction::default())
     }
 
-    /// Traces a ray through the lens. Its origin may lie anywhere before the first surface; NaN or infinite
-    /// components, or a direction of length 0, count as [`Blocked::Missed`].
+    /// Traces a ray through the lens. The origin of the ray may lie anywhere before the first surface. A ray with NaN
+    /// or infinite components, or with a direction of length 0, is [`Blocked::Missed`].
     pub fn walk(&self, ray: Ray) -> Walk {
         self.walk_by(ray, |_, _| ())
     }
 
-    /// [`Path::walk`] that also reports every surface met: `met` receives the index of the surface, counted along
-    /// the travel, and the point on it in lens space. The last of them may be the surface that blocks the ray.
+    /// Traces a ray as [`Path::walk`] does, and also reports every surface met. `met` receives the index of the
+    /// surface, counted along the travel, and the point on the surface in lens space. The last surface reported may be
+    /// the one that blocks the ray.
     pub fn walk_by(&self, ray: Ray, mut met: impl FnMut(usize, [f64; 3])) -> Walk {
         let travel_sign = self.travel_sign();
         let start = Ray { origin: ray.origin, direction: unit(ray.direction) };
@@ -297,8 +303,8 @@ impl<R: Real> Path<R> {
         Walk { ray, surfaces_met, blocked }
     }
 
-    /// Traces a ray through the lens in `R` from start to end, for types wider than double. Returns the point in
-    /// the frame of the last vertex met (z along +z of lens space) and the unit direction.
+    /// Traces a ray through the lens in the number type `R` from start to end, for types wider than double. Returns the
+    /// point, in the frame of the last vertex met (with z along +z of lens space), and the unit direction.
     ///
     /// # Errors
     /// The reason why the ray is blocked.
@@ -322,9 +328,10 @@ impl<R: Real> Path<R> {
     }
 
     /// Traces the state, in the frame of the first vertex, through the surfaces of `steps`. Returns the number of
-    /// surfaces met and the reason why the ray is blocked, if it is. Each surface updates the state completely or
-    /// not at all, so that a blocked ray keeps its last point on a surface, in the frame of that vertex. `met`
-    /// receives, for every surface met, the number of the step, the step, and the state on it before refraction.
+    /// surfaces met and the reason why the ray is blocked, if it is. Each surface updates the state completely or not
+    /// at all. A blocked ray therefore keeps its last point on a surface, in the frame of that surface's vertex. For
+    /// every surface met, `met` receives the number of the step, the step, and the state on the surface before
+    /// refraction.
     fn trace_surfaces<S: Borrow<PathSurface<R>>>(
         &self,
         steps: impl IntoIterator<Item = S>,
@@ -362,19 +369,19 @@ impl<R: Real> Path<R> {
         }
     }
 
-    /// Whether a ray may go on to surface `number`. A fisheye's field exceeds 180 degrees, so that a ray from the
-    /// scene may meet the first surface while it travels backward.
+    /// Returns whether a ray may go on to surface `number`. The field of a fisheye may exceed 180 degrees, so that a
+    /// ray from the scene may meet the first surface while the ray travels backward.
     pub(super) fn is_forward(&self, state: &State<R>, number: usize) -> bool {
         state.v[2] > R::ZERO || self.may_start_backward(number)
     }
 
-    /// Whether a ray that travels backward may go on to surface `number`.
+    /// Returns whether a ray that travels backward may go on to surface `number`.
     pub(super) fn may_start_backward(&self, number: usize) -> bool {
         number == 0 && self.direction == Direction::SceneToFilm
     }
 
-    /// Returns the state of a ray at its start in a medium of index `n`, in the frame of the first vertex;
-    /// `direction` is the ray's direction as a unit vector.
+    /// Returns the state of a ray at its start in a medium of index `n`, in the frame of the first vertex. `direction`
+    /// is the ray's direction as a unit vector.
     pub(super) fn enter(&self, ray: Ray, direction: [f64; 3], n: R) -> State<R> {
         let travel_sign = self.travel_sign();
         let (entry, lead) = self.to_entry(ray);
@@ -386,18 +393,18 @@ impl<R: Real> Path<R> {
         }
     }
 
-    /// Returns a point of the ray near the lens, in the frame of the first vertex with z along the travel, and its
-    /// distance from the ray's origin, both in mm. `ray` is in lens space, with a direction of any length but 0.
-    /// The point is on the vertex plane where that lies ahead; for a ray parallel to that plane or travelling away
-    /// from it, the point nearest the vertex; else its origin.
+    /// Returns a point of the ray near the lens, in the frame of the first vertex with z along the travel, and the
+    /// distance of that point from the ray's origin, both in mm. `ray` is in lens space, with a direction of any
+    /// nonzero length. If the vertex plane lies ahead and the ray is not too steep (`STEEP`), the point is on that
+    /// plane. Otherwise it is the point nearest the vertex if that point lies ahead, and else the ray's origin.
     ///
-    /// Uses differences of products, not P + t D: for a distant object the latter is only as precise as the
-    /// distance, the former as precise as the lens.
+    /// Uses differences of products instead of P + t D. For a distant object, P + t D is only as precise as the
+    /// distance allows; the differences are as precise as the lens.
     pub fn to_entry(&self, ray: Ray) -> ([f64; 3], f64) {
         let travel_sign = self.travel_sign();
         let [x, y, z] = ray.origin;
-        // The difference and its rounding error (D. E. Knuth, *The Art of Computer Programming* 2, section 4.2.2):
-        // the error matters for a small lens far from its front vertex.
+        // The difference and its rounding error (D. E. Knuth, *The Art of Computer Programming* 2, section 4.2.2). The
+        // error matters for a small lens far from its front vertex.
         let (far, near) = (travel_sign * z, travel_sign * self.entry);
         let z = far - near;
         let taken = z - far;
@@ -420,12 +427,12 @@ impl<R: Real> Path<R> {
         (entry, dot(moved, moved).sqrt())
     }
 
-    /// Returns z of the first vertex in lens space, mm.
+    /// Returns the z coordinate of the first vertex met, in lens space, mm.
     pub fn entry(&self) -> f64 {
         self.entry
     }
 
-    /// Returns z of the last vertex in lens space, mm.
+    /// Returns the z coordinate of the last vertex met, in lens space, mm.
     pub fn exit(&self) -> f64 {
         self.exit
     }
@@ -449,7 +456,7 @@ impl<R: Real> Path<R> {
         })
     }
 
-    /// Returns the point where a ray meets the first surface, in lens space, mm; `None` if it misses the surface.
+    /// Returns the point where a ray meets the first surface, in lens space, mm; `None` if the ray misses the surface.
     pub fn first_point(&self, ray: Ray) -> Option<[f64; 3]> {
         let direction = unit(ray.direction);
         let first = &self.steps[0];
@@ -460,8 +467,8 @@ impl<R: Real> Path<R> {
         (is_met && point.iter().all(|part| part.is_finite())).then_some(point)
     }
 
-    /// [`Path::trace`] that also reports each meeting of the ray with a surface, before the surface refracts or
-    /// reflects it. The reports are complete only for a ray that gets through.
+    /// Traces a ray as [`Path::trace`] does, and also reports each meeting of the ray with a surface, before the
+    /// surface refracts or reflects the ray. The reports are complete only for a ray that gets through.
     ///
     /// # Errors
     /// The reason why the ray is blocked.
@@ -470,7 +477,7 @@ impl<R: Real> Path<R> {
         self.meetings_over(&self.steps, ray, met)
     }
 
-    /// [`Path::meetings`] over other steps through the same lens.
+    /// Traces a ray as [`Path::meetings`] does, over other steps through the same lens.
     #[inline]
     pub fn meetings_over<S: Borrow<PathSurface<R>>>(
         &self,
@@ -485,7 +492,8 @@ impl<R: Real> Path<R> {
         let mut steps = steps.into_iter().peekable();
         let Some(n) = steps.peek().map(|step| step.borrow().n) else { return Err(Blocked::Missed) };
         let mut state = self.enter(ray, direction, n);
-        // The previous meeting, in the frame of its vertex, with z along the travel behind it.
+        // The point of the previous meeting, in the frame of that surface's vertex, with z along the travel behind the
+        // surface.
         let mut last: Option<[f64; 3]> = None;
         let (_, blocked) = self.trace_surfaces(steps, &mut state, |_, step, state| {
             let normal = step.normal(state.p).map(R::to_f64);
@@ -518,8 +526,8 @@ impl<R: Real> Path<R> {
         walk.blocked.map_or(Ok(walk.ray), Err)
     }
 
-    /// Traces a ray from (`x`, `y`) on a film at z = `film`, with these slopes, through all surfaces, regardless of
-    /// their apertures, while `go_on` returns true. Returns whether the ray leaves the last surface.
+    /// Traces a ray from (`x`, `y`) on a film at z = `film`, with these slopes, through all surfaces. Apertures are
+    /// ignored, and tracing continues while `go_on` returns true. Returns whether the ray leaves the last surface.
     pub fn intersections(
         &self,
         film: f64,
@@ -548,22 +556,22 @@ impl<R: Real> Path<R> {
     }
 }
 
-/// All paths through a lens in one direction with no reflection or two, built from the surfaces as rays meet them
-/// along that direction and against it. A path is a sequence of these, so that all paths together take the memory
-/// of two.
+/// All paths through a lens in one direction with no reflection or with two. They are built from two lists: the
+/// surfaces as rays meet them along that direction, and the surfaces as rays meet them against it. A path is a sequence
+/// of elements of these lists, so that all paths together take the memory of two paths.
 #[derive(Clone, Debug)]
 pub struct FoldedPaths {
     direct: Path,
-    /// The surfaces as rays meet them against the path's direction, in the same order.
+    /// The surfaces as rays meet them against the path's direction, but in the order of that direction.
     back: Vec<PathSurface<f64>>,
 }
 
 impl FoldedPaths {
-    /// Makes `lens`, with blades in its stop, ready for rays in `direction`.
+    /// Prepares `lens`, with blades in its stop, for rays in `direction`.
     pub fn new(lens: &Lens, direction: Direction, refraction: Refraction, blades: Option<Blades>) -> Self {
         let direct = Path::new(lens, direction, refraction).with_blades(lens, blades);
         let count = lens.surfaces.len();
-        // A path with mirrors at both ends meets the surfaces between them backward.
+        // A path with mirrors at both ends meets the surfaces from one mirror to the other backward.
         let mut back = direct.steps.clone();
         if count > 1 {
             let folded =
@@ -581,8 +589,8 @@ impl FoldedPaths {
         &self.direct
     }
 
-    /// Returns the steps of a path with these turns, as in [`Path::reflected`], or of the path without a
-    /// reflection.
+    /// Returns the steps of a path with the reflections `turns`, as in [`Path::reflected`]. Without `turns`, returns
+    /// the steps of the path without a reflection.
     pub fn steps(&self, turns: Option<[usize; 2]>) -> impl Iterator<Item = Cow<'_, PathSurface<f64>>> {
         stations(self.direct.steps.len(), turns).map(|Station { along, is_backward, is_mirror }| {
             let step = if is_backward { &self.back[along] } else { &self.direct.steps[along] };
@@ -590,7 +598,7 @@ impl FoldedPaths {
         })
     }
 
-    /// Returns a path of its own for these turns.
+    /// Returns a separate path with the reflections `turns`.
     pub fn path(&self, turns: Option<[usize; 2]>) -> Path {
         Path { steps: self.steps(turns).map(Cow::into_owned).collect(), ..self.direct }
     }

@@ -1,12 +1,12 @@
 //! One surface of a path. Intersects a ray, in the frame of the surface's vertex, and refracts it, or returns the
-//! reason why it is blocked.
+//! reason why the ray is blocked.
 //!
-//! In that frame, with the axis along the travel and c the curvature, the sphere is (c/2)(x² + y² + z²) - z = 0 and
-//! its unit normal N = (-c x, -c y, 1 - c z). Both also hold for the plane, c = 0, and stay accurate for any
-//! radius. With V = n D the hit lies at P + t V, t = 2 f/(g + e), where f is the left side at P, g = N·V there, and
-//! e = sqrt(g² - 2 c n² f) is n cos I at the hit. This is the one of the two roots at which the ray crosses
-//! toward the side ahead. The near side of the sphere is therefore met whether its centre lies ahead or behind. Module
-//! `aspheric` intersects aspheres.
+//! In that frame, with the axis along the travel and the curvature c, the sphere is (c/2)(x² + y² + z²) - z = 0, and
+//! its unit normal is N = (-c x, -c y, 1 - c z). Both formulas also hold for a plane, c = 0, and stay accurate for any
+//! radius. With V = n D, the hit lies at P + t V, where t = 2 f/(g + e). Here f is the left side of the sphere's
+//! equation at P, g is N·V at P, and e = sqrt(g² - 2 c n² f) is n cos I at the hit. Of the two roots, this is the one
+//! at which the ray crosses toward the side ahead. The near side of the sphere is therefore met whether the centre lies
+//! ahead or behind. The module `aspheric` intersects aspheres.
 
 use std::sync::Arc;
 
@@ -20,8 +20,8 @@ use crate::{
 };
 use realistic_base::numeric::{Real, dot};
 
-/// Distance to the vertex over radius of curvature beyond which the ray is first moved to the vertex plane: at the
-/// ray's start the sphere's equation loses precision by that factor.
+/// Ratio of the distance from the vertex to the radius of curvature beyond which the ray is first moved to the vertex
+/// plane. At the ray's start the equation of the sphere loses precision by that ratio.
 const FAR: f64 = 2.0;
 
 /// One surface of a path, in a frame whose axis points along the travel and whose origin is the surface's vertex.
@@ -31,40 +31,41 @@ pub struct PathSurface<R> {
     pub along: usize,
     /// Whether rays meet the surface against the path's direction, between two mirrors.
     pub is_backward: bool,
-    /// Whether the surface reflects rays; then `n_after` is `n`.
+    /// Whether the surface reflects rays. For a mirror, `n_after` equals `n`.
     pub is_mirror: bool,
-    /// Refractive index on the side ahead.
+    /// Refractive index of the medium on the side ahead.
     pub n_behind: f64,
     /// Distance from the previous surface's vertex, mm; 0 for the first surface.
     pub distance: R,
-    /// 1/radius; positive when the centre lies ahead.
+    /// 1/radius; positive if the centre lies ahead.
     pub curvature: R,
     /// The asphere, if the surface is neither a sphere nor a plane.
     pub aspheric: Option<Arc<Aspheric<R>>>,
-    /// Refractive index before the surface.
+    /// Refractive index of the medium before the surface.
     pub n: R,
-    /// Refractive index after the surface.
+    /// Refractive index of the medium in which the ray continues.
     pub n_after: R,
-    /// n'^2 - n^2.
+    /// `n_after`² - `n`².
     pub index_step: R,
     /// Square of the clear semi-diameter.
     pub aperture: R,
-    /// The figure that a stop's blades leave open, inside the clear aperture.
+    /// The figure that the blades of a stop leave open, inside the clear aperture.
     pub blades: Option<Arc<StopFigure<R>>>,
-    /// Distance that a hit may lie behind the ray's last surface by rounding alone, in units of V. Unbounded where
-    /// the two surfaces touch, because they may overlap slightly. Unused for a plane that only limits rays: if such
-    /// a plane lies inside its neighbour's bulge, the ray's straight line meets it before or behind the neighbour.
+    /// Distance, in units of V, by which a hit may lie behind the ray's last surface through rounding alone. The
+    /// distance is unbounded where the two surfaces touch, because they may then overlap slightly. It is unused for a
+    /// plane that only limits rays. If such a plane lies inside its neighbour's bulge, the straight line of the ray
+    /// meets the plane before or behind the neighbour.
     pub slack: R,
 }
 
 impl<R: Real> PathSurface<R> {
-    /// Prepares a lens's surface for a direction of travel; `distance` is that from the vertex of the surface before
-    /// it.
+    /// Prepares a surface of a lens for a direction of travel. `distance` is the distance from the vertex of the
+    /// previous surface.
     pub fn new(surface: &Surface, forward: bool, distance: f64) -> Self {
         let Surface { n_scene, n_film, radius, curvature, semi_diameter, .. } = *surface;
         let (n, n_after) = if forward { (n_scene, n_film) } else { (n_film, n_scene) };
-        // A type wider than double computes the reciprocal and the difference of squares itself; the other types
-        // round them once, from double.
+        // A type wider than double computes the reciprocal and the difference of squares itself. For the other types,
+        // both are computed in double and rounded once.
         let (curvature, index_step) = if R::EPSILON < f64::EPSILON {
             let [n, n_after] = [n, n_after].map(R::from_f64);
             let curvature = if curvature == 0.0 { R::ZERO } else { R::ONE / R::from_f64(radius) };
@@ -97,8 +98,8 @@ impl<R: Real> PathSurface<R> {
         Self { is_mirror: true, n_after: self.n, index_step: R::ZERO, ..self }
     }
 
-    /// Returns the same surface between media of other indices, in the order of travel. The bounds of an asphere
-    /// remain those of the largest index that the surface was built with. Allocates nothing.
+    /// Returns the same surface between media of other indices, which are in the order of travel. The bounds of an
+    /// asphere remain those for the largest index with which the surface was built. Allocates no memory.
     #[must_use]
     pub fn between(&self, [n, n_behind]: [f64; 2]) -> Self {
         let n_after = if self.is_mirror { n } else { n_behind };
@@ -111,14 +112,14 @@ impl<R: Real> PathSurface<R> {
         }
     }
 
-    /// Whether this is a plane within one medium: a stop or a flare stop.
+    /// Returns whether this is a plane within one medium: a stop or a flare stop.
     pub fn only_limits(&self) -> bool {
         self.curvature == R::ZERO && self.index_step == R::ZERO && self.aspheric.is_none() && !self.is_mirror
     }
 
     /// Moves the ray, given in the frame of this surface's vertex, to the surface.
-    // Inlined, as are the functions below: a call would pass the state through memory, where at every surface a
-    // wide load waits for the narrow stores before it.
+    // Inlined, like the functions below. A call would pass the state through memory, and at every surface a wide load
+    // would then wait for the narrow stores before it.
     #[inline(always)]
     pub fn meet(&self, state: &mut State<R>) -> Result<(), Blocked> {
         if let Some(aspheric) = &self.aspheric {
@@ -138,7 +139,7 @@ impl<R: Real> PathSurface<R> {
         let f = c / two * dot(*p, *p) - p[2];
         let g = v[2] - c * dot(*p, *v);
         let discriminant = g * g - two * c * n_squared * f;
-        // Negated so that NaN also blocks the ray.
+        // The condition is negated so that NaN also blocks the ray.
         if !(discriminant > R::ZERO) {
             return Err(Blocked::Missed);
         }
@@ -150,14 +151,14 @@ impl<R: Real> PathSurface<R> {
         }
         *lead = if only_limits { *lead + t } else { R::ZERO };
         advance(p, t);
-        // Beyond the equator the sphere is not part of the surface.
+        // Beyond the equator, the sphere is not part of the surface.
         if R::ONE - c * p[2] < R::ZERO {
             return Err(Blocked::Missed);
         }
         Ok(())
     }
 
-    /// Tests the ray against the aperture and refracts it.
+    /// Tests the ray against the aperture, and refracts or reflects it.
     #[inline(always)]
     pub fn pass(&self, state: &mut State<R>, method: Refraction) -> Result<(), Blocked> {
         let [x, y, _] = state.p;
@@ -169,7 +170,7 @@ impl<R: Real> PathSurface<R> {
         self.refract(state, method)
     }
 
-    /// Returns the unit normal at a point of this surface, toward the side ahead.
+    /// Returns the unit normal at a point of this surface, pointing to the side ahead.
     #[inline(always)]
     pub fn normal(&self, point: [R; 3]) -> [R; 3] {
         if let Some(aspheric) = &self.aspheric {
@@ -186,7 +187,7 @@ impl<R: Real> PathSurface<R> {
         let State { p, v, .. } = state;
         let e = dot(normal, *v);
         if self.is_mirror {
-            // V - 2 e N; from here on z points along the reversed travel.
+            // The reflected vector is V - 2 e N. From here on, z points along the reversed travel.
             let twice = R::from_f64(2.0) * e;
             *v = [v[0] - twice * normal[0], v[1] - twice * normal[1], twice * normal[2] - v[2]];
             p[2] = -p[2];
@@ -206,7 +207,7 @@ impl<R: Real> PathSurface<R> {
         };
         let incident = v.map(|component| component / self.n);
         let after = unit_method(incident, normal, self.n, self.n_after);
-        // Through its own rounding a method may find total reflection where the test above does not.
+        // Because of its own rounding, a method may find total reflection where the test above does not.
         if !(dot(after, after) < R::from_f64(2.0)) {
             return Err(Blocked::Reflected);
         }
@@ -217,19 +218,19 @@ impl<R: Real> PathSurface<R> {
 
 /// The figure that the blades leave open in a stop of one size, in numbers of type `R`.
 ///
-/// Let m be the largest product of the point p with a normal. Then p is inside if
-/// `bulge` p² + `slant` m w <= `limit` w²; w is 1, or the factor by which p was multiplied to avoid a division.
+/// Let m be the largest dot product of the point p with a normal. Then p is inside if `bulge` p² + `slant` m w <=
+/// `limit` w². Here w is 1, or the factor by which p was multiplied to avoid a division.
 #[derive(Clone, Debug)]
 pub struct StopFigure<R> {
     /// The blades, for a stop of any size.
     pub blades: Blades,
-    /// Unit vectors from the axis to the middle of each edge.
+    /// Unit vectors that point from the axis to the middle of each edge.
     pub normals: Box<[[R; 2]]>,
-    /// Factor of p²; 0 for straight edges.
+    /// Factor of p² in the inequality; 0 for straight edges.
     pub bulge: R,
-    /// Factor of m, mm.
+    /// Factor of m in the inequality, mm.
     pub slant: R,
-    /// Bound of the sum, mm².
+    /// Upper bound of the sum in the inequality, mm².
     pub limit: R,
 }
 
@@ -246,7 +247,7 @@ impl<R: Real> StopFigure<R> {
         }
     }
 
-    /// Whether the figure contains a point; false for NaN.
+    /// Returns whether the figure contains a point; false for NaN.
     pub fn passes(&self, [x, y]: [R; 2]) -> bool {
         let products = self.normals.iter().map(|[nx, ny]| *nx * x + *ny * y);
         let most = products.reduce(|most, product| if product > most { product } else { most });

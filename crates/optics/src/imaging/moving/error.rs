@@ -20,9 +20,9 @@ pub enum MovingError {
         short(range[0]), short(range[1])
     )]
     Scaled {
-        /// The name with its scale.
+        /// The requested name, with its scale.
         given: String,
-        /// The lens's own range of focal lengths, mm.
+        /// The range of focal lengths of the zoom lens, mm.
         range: [f64; 2],
     },
     /// The focal length is outside the zoom range.
@@ -48,7 +48,7 @@ pub enum MovingError {
         /// The available names.
         names: Vec<String>,
     },
-    /// The focal lengths are not monotonic, so that one may have several zoom positions.
+    /// The focal lengths are not monotonic, so that one focal length may belong to several zoom positions.
     #[error(
         "the focal lengths of lens \"{lens}\", {} mm, do not rise or fall from each position to the next, so none of them \
          says where the groups stand{}",
@@ -57,12 +57,12 @@ pub enum MovingError {
     Unsteady {
         /// The lens.
         lens: String,
-        /// Focal lengths at the zoom positions, mm, infinite if the lens is afocal.
+        /// Focal lengths at the zoom positions, mm; infinite where the lens is afocal.
         focal_lengths: Vec<f64>,
-        /// The positions' names.
+        /// The names of the positions.
         names: Vec<String>,
     },
-    /// The table has no position for a near object.
+    /// The table has no position for near objects.
     #[error(
         "lens \"{lens}\" lists no positions for near objects, so how its groups move to focus is not known; leave out \
          \"focus_by\", and the film moves instead"
@@ -89,7 +89,7 @@ pub enum MovingError {
     },
 }
 
-/// Lists names that may be given instead, for the end of a sentence.
+/// Lists the names of positions that may be given instead, for the end of a sentence.
 fn or_names(names: &[String]) -> String {
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     if names.is_empty() { String::new() } else { format!(", or the name of a position: {}", quoted(&names)) }

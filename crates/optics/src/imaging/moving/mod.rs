@@ -1,10 +1,10 @@
-//! Lenses with moving groups: interpolates the positions that a prescription lists to any focal length between them,
-//! and to any focus distance within the groups' travel.
+//! Lenses with moving groups. Interpolates between the positions that a prescription lists, to any focal length between
+//! them and to any focus distance within the groups' travel.
 //!
-//! Between the columns of the table, gaps follow monotone cubic curves ([`Monotone`]): over the logarithm of the focal
-//! length for zooming, and over the object's vergence (1/distance from the first vertex) for focusing. At a column they
-//! equal the table to the last bit. First-order optics at the d line determines the zoom position of a focal length,
-//! because the groups' positions do not depend on the light's wavelength.
+//! Between the columns of the table, gaps follow monotone cubic curves ([`Monotone`]). Their argument is the logarithm
+//! of the focal length for zooming, and the object's vergence (1/distance from the first vertex) for focusing. At a
+//! column the gaps equal the table to the last bit. First-order optics at the d line determines the zoom position of a
+//! focal length, because the groups' positions do not depend on the wavelength of the light.
 
 mod error;
 #[cfg(test)]
@@ -22,7 +22,7 @@ use crate::{
 use realistic_base::numeric::{Monotone, root};
 use travel::{Pose, at_pose, values};
 
-/// A lens whose groups move, at the positions of its table.
+/// A lens with moving groups, at the positions that its table lists.
 #[derive(Clone, Debug)]
 pub struct MovingGroups<'a> {
     prescription: &'a Prescription,
@@ -30,11 +30,12 @@ pub struct MovingGroups<'a> {
     layout: Layout,
     /// Poses of the groups, one for each column.
     poses: Vec<Pose>,
-    /// First-order optics of each zoom position, at the farthest object; `None` if the lens is afocal.
+    /// First-order optics of each zoom position, focused on the farthest object; `None` if the lens is afocal there.
     optics: Vec<Option<FirstOrder>>,
 }
 
-/// Largest relative difference between a stated focal length and the computed one for which the stated one is accepted.
+/// Largest relative difference between a stated focal length and the computed focal length at which the stated one is
+/// accepted.
 const ROUNDED: f64 = 0.01;
 
 impl<'a> MovingGroups<'a> {
@@ -70,8 +71,8 @@ impl<'a> MovingGroups<'a> {
         Some(groups)
     }
 
-    /// Sets the stop's diameter at a zoom position that states none, at all object distances, to the one that gives the
-    /// stated f-number.
+    /// Sets the stop diameter of a zoom position to the diameter that gives the stated f-number, at all object
+    /// distances for which the table states no diameter.
     fn widen_to_fnumber(&mut self, zoom: usize, lens: &Lens, focal_length: f64) {
         let column = &self.positions.columns[zoom];
         if let (None, Some(fnumber), Some(stop)) = (column.stop_diameter, column.fnumber, lens.stop_index()) {
@@ -85,13 +86,13 @@ impl<'a> MovingGroups<'a> {
         }
     }
 
-    /// Whether the lens zooms.
+    /// Returns whether the lens zooms.
     pub fn is_zoom(&self) -> bool {
         self.layout.zooms > 1
     }
 
-    /// Returns the range of focal lengths, mm: as computed at the positions or, if the table rounds them to a wider
-    /// range, as stated.
+    /// Returns the range of focal lengths, mm: the range computed at the positions or, if the table rounds to a wider
+    /// range, the stated range.
     pub fn focal_range(&self) -> [f64; 2] {
         let all = || {
             self.optics.iter().zip(&self.positions.columns).flat_map(|(optics, column)| {
@@ -103,12 +104,12 @@ impl<'a> MovingGroups<'a> {
         [all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max)]
     }
 
-    /// Returns the names of the zoom positions that have one.
+    /// Returns the names of those zoom positions that have a name.
     fn names(&self) -> Vec<String> {
         self.positions.columns[..self.layout.zooms].iter().filter_map(|column| column.name.clone()).collect()
     }
 
-    /// Returns the lens at the zoom position of a name.
+    /// Returns the lens at the zoom position with a given name.
     ///
     /// # Errors
     /// The lens does not zoom, or no zoom position has the name.
@@ -144,15 +145,17 @@ impl<'a> MovingGroups<'a> {
         FocusTravel::new(base, self.positions.gaps.clone(), &poses)
     }
 
-    /// Returns the lens zoomed to `focal_length` mm, positive (the magnitude, focused on the farthest object of the
-    /// table). Between the columns the film follows the image of that object, with the offset interpolated from the
-    /// columns, so that the lens is as sharp between them as at them. The stop's diameter is interpolated.
+    /// Returns the lens zoomed to `focal_length` mm. The focal length is positive: a magnitude, for the lens focused on
+    /// the farthest object of the table. Between the columns the film follows the image of that object at an offset
+    /// interpolated from the columns, so that the lens is as sharp between the columns as at them. The stop's diameter
+    /// is interpolated.
     ///
-    /// `image` returns the distance behind the last vertex, mm, at which a lens images the axial point of a vergence,
-    /// 1/mm in front of its first vertex; `None` if it has no image.
+    /// `image` returns the distance behind the last vertex, mm, at which a lens images an axial point. The point is
+    /// given by its vergence: the reciprocal of its distance in front of the first vertex, 1/mm. `image` returns `None`
+    /// if the lens forms no image.
     ///
     /// # Errors
-    /// The lens does not zoom, or not so far, or its focal lengths do not rise or fall steadily.
+    /// The lens does not zoom, the focal length is out of range, or the focal lengths do not rise or fall steadily.
     pub fn zoomed(
         &self,
         focal_length: f64,
@@ -172,7 +175,7 @@ impl<'a> MovingGroups<'a> {
         let Some(segment) =
             order.windows(2).find(|pair| (focal(pair[0])..=focal(pair[1])).contains(&focal_length))
         else {
-            // Between the computed end of the range and the one that the table rounds.
+            // The focal length lies between the computed end of the range and the rounded end stated in the table.
             let is_short = focal_length < focal(order[0]);
             return Ok(self.position(if is_short { order[0] } else { order[order.len() - 1] }));
         };
@@ -201,7 +204,7 @@ impl<'a> MovingGroups<'a> {
         };
         let mut poses: Vec<Pose> = Vec::new();
         for step in 0..self.layout.steps {
-            // Interpolating differences keeps the steps in their order.
+            // Interpolating the differences between successive steps keeps the steps in order.
             let vergence = match poses.last() {
                 None => curve(&|zoom| self.poses[zoom].vergence).at(zoom_x),
                 Some(before) => {
@@ -227,7 +230,7 @@ impl<'a> MovingGroups<'a> {
         Ok(self.travel(poses, None))
     }
 
-    /// Returns the optics of the zoom positions if their focal lengths are strictly monotonic.
+    /// Returns the first-order optics of the zoom positions if their focal lengths are strictly monotonic.
     fn steady(&self) -> Result<Vec<FirstOrder>, MovingError> {
         let known: Option<Vec<FirstOrder>> = self.optics.iter().copied().collect();
         known

@@ -1,5 +1,5 @@
-//! Tests with two thin lenses in air, which have closed formulas: f = f1 f2/(f1 + f2 - d), back focus f (f1 - d)/f1 (E.
-//! Hecht, *Optics*, §6.1).
+//! Tests with two thin lenses in air, for which closed formulas exist: f = f1 f2/(f1 + f2 - d), back focus f (f1 -
+//! d)/f1 (E. Hecht, *Optics*, §6.1).
 
 use super::super::axial_beam::AxialBeam;
 use super::*;
@@ -13,7 +13,7 @@ fn thin(focal_length: f64) -> [Interface; 2] {
         thickness: 0.0,
         medium,
         glass: None,
-        // Faces this narrow touch; wider ones would cross.
+        // Surfaces this narrow touch; wider surfaces would cross.
         semi_diameter: 0.2,
         is_stop: false,
     };
@@ -23,14 +23,14 @@ fn thin(focal_length: f64) -> [Interface; 2] {
 
 const F: [f64; 2] = [-90.0, 60.0];
 
-/// Returns focal length and back focus at a distance between the two.
+/// Returns the focal length and back focus of the two lenses at a distance of `gap` between them.
 fn known(gap: f64) -> [f64; 2] {
     let focal_length = F[0] * F[1] / (F[0] + F[1] - gap);
     [focal_length, focal_length * (F[0] - gap) / F[0]]
 }
 
-/// Returns the two lenses with positions at these gaps, each with its true back focus as its film distance. If `near`
-/// is not empty, adds these gaps for objects at 500 mm, with the film unmoved.
+/// Returns the two lenses with a position for each of `gaps`, whose film distance is the true back focus. If `near` is
+/// not empty, adds positions with the gaps `near` for objects at 500 mm, with the film unmoved.
 fn zoom(gaps: &[f64], near: &[f64]) -> Prescription {
     let plane = Interface { shape: Shape::Plane, ..thin(F[0])[1] };
     let stop = Interface { semi_diameter: 8.0, is_stop: true, ..plane };
@@ -78,7 +78,7 @@ fn focal_lengths_between_positions_are_exact_to_rounding() {
             let zoomed = groups.zoomed(focal_length.min(long), image).expect("in range");
             let lens = zoomed.at(zoomed.start());
             assert!((optics(&lens).focal_length / focal_length - 1.0).abs() < 1e-14, "{focal_length}");
-            // The single gap of this lens follows, and so does its film.
+            // The focal length determines the single gap of this lens, and the gap determines the film distance.
             let gap = F[0] + F[1] - F[0] * F[1] / focal_length;
             assert!((lens.interfaces[1].thickness - gap).abs() < 1e-11, "{focal_length}");
             let film = lens.nominal_film_distance.expect("stated");
@@ -139,7 +139,7 @@ fn groups_pass_their_ends_a_little_and_never_collide() {
     let groups = groups(&prescription);
     let range = groups.position(0).range();
     assert!((range[0] + 0.1 / 500.0).abs() < 1e-15 && (range[1] - 1.1 / 500.0).abs() < 1e-15, "{range:?}");
-    // 1.95 mm to the position, 0.05 more until the lenses touch.
+    // The gap closes by 1.95 mm up to the listed position, and by 0.05 mm more until the lenses touch.
     let close = groups.named("at 2").expect("listed");
     let [_, near] = close.range();
     assert!((near * 500.0 - 2.0 / 1.95).abs() < 1e-12, "{near}");
@@ -166,7 +166,7 @@ fn a_zoom_out_of_range_is_refused_with_the_range() {
     for refused in [prime.zoomed(100.0, image), prime.named("at 40")] {
         assert!(refused.expect_err("a prime").to_string().contains("one focal length"));
     }
-    // Not monotonic: 22 mm and 30 mm lie on both sides of 10 mm.
+    // The focal lengths are not monotonic: the gap of 10 mm stands between the wider gaps of 40 mm and 22 mm.
     let wandering = zoom(&[40.0, 10.0, 22.0], &[]);
     let wandering = MovingGroups::of(&wandering).expect("positions");
     let refused = wandering.zoomed(100.0, image).expect_err("ambiguous").to_string();
@@ -179,7 +179,7 @@ fn a_focal_length_rounded_outward_is_that_of_its_position() {
     let mut prescription = zoom(&GAPS, &[]);
     let columns = &mut prescription.positions.as_mut().expect("positions").columns;
     columns[0].focal_length = Some(77.0);
-    // Too different to be accepted.
+    // This differs too much from the computed focal length to be accepted.
     columns[3].focal_length = Some(200.0);
     let groups = groups(&prescription);
     assert_eq!(groups.focal_range()[0], 77.0);
@@ -188,7 +188,8 @@ fn a_focal_length_rounded_outward_is_that_of_its_position() {
     assert!(groups.zoomed(199.0, image).is_err() && groups.zoomed(76.9, image).is_err());
 }
 
-/// Two lenses with a flare stop between them. At the second position it lies within the sagitta of the first lens.
+/// Two lenses with a flare stop between them. At the second position the flare stop lies within the sagitta of the
+/// first lens.
 const BULGE: &str = "positions a b\ngap 3 2 -0.5\nfilm 40 41\n50 4 1.5 20\n-50 3 1 20\nflare 2 1 18\n40 3 1.6 20\n-80 40 1 20\n\
     stop 1\n";
 
@@ -217,7 +218,7 @@ fn groups_with_a_negative_gap_stop_where_lenses_touch() {
         let travel = groups(&lens).position(0);
         travel.range().map(|vergence| (500.0 * vergence, travel.at(vergence)))
     };
-    // From 5 mm apart to 0.1 mm, and 0.1 mm more of 4.9 mm on.
+    // The lenses approach from 5 mm to 0.1 mm apart. The last 0.1 mm extends this travel of 4.9 mm.
     let [(far, _), (close, touching)] = ends("gap 2 3 0.6\ngap 3 2 -0.5");
     assert!((far + 0.1).abs() < 1e-12 && (close - 5.0 / 4.9).abs() < 1e-12, "{far} {close}");
     assert!((touching.interfaces[1].thickness + touching.interfaces[2].thickness).abs() < 1e-12);

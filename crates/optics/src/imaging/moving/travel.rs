@@ -1,21 +1,21 @@
 //! Motion of the groups as the lens focuses, at one focal length: maps a focus position to the prescription with its
-//! groups there.
+//! groups at that position.
 
 use std::ops::Range;
 
 use crate::prescription::Prescription;
 use realistic_base::numeric::Monotone;
 
-/// A pose of the groups: their gaps, with the film, the stop and the object that belong to it.
+/// A pose of the groups: their gaps, and the film distance, stop diameter and object vergence that belong to them.
 #[derive(Clone, Debug)]
 pub(super) struct Pose {
-    /// Gaps, mm, of the rows that [`crate::prescription::Positions`] lists.
+    /// Gaps behind the rows that [`crate::prescription::Positions`] lists, mm.
     pub gaps: Vec<f64>,
-    /// Distance from the last vertex, mm; `None` if the table has none, or 0.
+    /// Distance of the film from the last vertex, mm; `None` if the table states none, or states 0.
     pub film_distance: Option<f64>,
-    /// Clear diameter, mm; `None` for a lens without a stop.
+    /// Clear diameter of the stop, mm; `None` for a lens without a stop.
     pub stop_diameter: Option<f64>,
-    /// The reciprocal of the object's distance from the first vertex.
+    /// The reciprocal of the object's distance from the first vertex, 1/mm.
     pub vergence: f64,
 }
 
@@ -29,18 +29,19 @@ pub(super) fn at_pose(base: &Prescription, rows: &[usize], pose: &Pose) -> Presc
     prescription
 }
 
-/// Returns the gaps at a position, no less than [`floor`].
+/// Returns the gaps at a position, each at least its [`floor`].
 pub(super) fn values(curves: &[Monotone], x: f64) -> Vec<f64> {
     curves.iter().map(|curve| curve.at(x).max(floor(curve))).collect()
 }
 
-/// Returns the minimum of a gap: 0, or -∞ if the table has negative gaps, beside a stop within its neighbour's sagitta.
+/// Returns the minimum of a gap: 0, or -∞ if the table has negative values of it. A gap is negative beside a stop that
+/// lies within the sagitta of a neighbouring surface.
 fn floor(curve: &Monotone) -> f64 {
     if curve.least() < 0.0 { f64::NEG_INFINITY } else { 0.0 }
 }
 
-/// Motion of the groups of a lens as it focuses, zoomed to one focal length. The focus position is the vergence, 1/mm
-/// in front of the first vertex, of the object in focus according to the table.
+/// Motion of the groups of a lens as it focuses, zoomed to one focal length. The focus position is a vergence, 1/mm:
+/// the reciprocal of the distance, in front of the first vertex, of the object that is in focus according to the table.
 #[derive(Clone, Debug)]
 pub struct FocusTravel {
     base: Prescription,
@@ -51,8 +52,8 @@ pub struct FocusTravel {
     ends: [f64; 2],
 }
 
-/// Overrun of the groups beyond the first and the last position, as a fraction of the travel between them: a table's
-/// film distance is rounded and that of first-order optics, and exact rays focus a little before or behind it.
+/// Overrun of the groups beyond the first and the last position, as a fraction of the travel between them. A table's
+/// film distance is rounded and comes from first-order optics; exact rays focus a little before or behind it.
 const OVERRUN: f64 = 0.1;
 
 impl FocusTravel {
@@ -74,23 +75,23 @@ impl FocusTravel {
         }
     }
 
-    /// Returns the position for the farthest object of the table, 0 for infinity.
+    /// Returns the focus position for the farthest object of the table; 0 for infinity.
     pub fn start(&self) -> f64 {
         self.ends[0]
     }
 
-    /// Whether the table states how the groups move to focus.
+    /// Returns whether the table states how the groups move to focus.
     pub fn is_known(&self) -> bool {
         self.ends[0] < self.ends[1]
     }
 
-    /// Returns the positions for the farthest and the nearest object. Both are a little beyond the table's, unless a
-    /// gap closes or two refracting surfaces touch.
+    /// Returns the focus positions for the farthest and the nearest object. Both lie a little beyond those of the
+    /// table, unless a gap closes or two refracting surfaces touch first.
     pub fn range(&self) -> [f64; 2] {
         let beyond = OVERRUN * (self.ends[1] - self.ends[0]);
         [(self.ends[0], -beyond), (self.ends[1], beyond)].map(|(end, beyond)| {
-            // A curve continues beyond its ends as a line. Returns the fraction of the overrun at which the line
-            // reaches its minimum.
+            // A curve continues beyond its ends as a straight line. `share` returns the fraction of the overrun at
+            // which that line reaches its minimum.
             let share = |at_end: f64, reached: f64, least: f64| {
                 if reached < least { (at_end - least) / (at_end - reached) } else { 1.0 }
             };
@@ -107,7 +108,7 @@ impl FocusTravel {
         })
     }
 
-    /// Returns the sum of the thicknesses behind some rows at a position.
+    /// Returns the sum of the thicknesses behind the rows `rows` at a focus position.
     fn length(&self, rows: Range<usize>, vergence: f64) -> f64 {
         let thickness = |row: usize| {
             let moving = self.rows.iter().position(|moving| *moving == row);

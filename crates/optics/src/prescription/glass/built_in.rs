@@ -1,13 +1,13 @@
 //! The built-in glasses, read from `crates/optics/lenses/glasses.txt`. That file states the source of each glass and
-//! the format of its lines. A name finds its glasses, the preferred one first. A line is parsed only when a lens names
-//! its glass.
+//! the format of its lines. Looking up a name finds all glasses of that name, the preferred glass first. A line is
+//! parsed only when a lens names its glass.
 
 use super::{formula::Formula, loose};
 use crate::prescription::interfaces::{Glass, Medium};
 
 const FILE: &str = include_str!("../../../lenses/glasses.txt");
 
-/// Returns the lines of the glasses, sorted by their [`loose`] names, equal names by preference.
+/// Returns the lines of the glasses, sorted by their [`loose`] names. Lines with equal names are sorted by preference.
 fn entries() -> &'static str {
     let is_head = |line: &&str| line.starts_with(['#', '@']);
     let head: usize = FILE.split_inclusive('\n').take_while(is_head).map(str::len).sum();
@@ -19,19 +19,19 @@ fn name_of(line: &'static str) -> &'static str {
     line.split(' ').next().unwrap_or("")
 }
 
-/// Returns every name with its catalogue.
+/// Returns every name with the catalogue of its glass.
 pub(super) fn names() -> impl Iterator<Item = (&'static str, &'static str)> {
     entries().lines().map(|line| (name_of(line), catalogue(line.split(' ').nth(1).unwrap_or(""))))
 }
 
-/// Returns the catalogue of a key, such as SCHOTT.
+/// Returns the catalogue, such as SCHOTT, that a key stands for.
 fn catalogue(key: &str) -> &'static str {
     let lines = FILE.lines().filter_map(|line| line.strip_prefix("@ "));
     let found = lines.filter_map(|line| line.split_once(' ')).find(|(own, _)| *own == key);
     found.map_or("", |(_, rest)| name_of(rest))
 }
 
-/// Returns the glasses of a [`loose`] name with their catalogues, in the order of the table.
+/// Returns the glasses with a [`loose`] name and their catalogues, in the order of the table.
 pub(super) fn candidates(name: &str) -> Vec<(&'static str, Glass)> {
     let mut found = Vec::new();
     for line in lines_of(name) {
@@ -44,7 +44,7 @@ pub(super) fn candidates(name: &str) -> Vec<(&'static str, Glass)> {
     found
 }
 
-/// Finds the lines of a [`loose`] name, by bisection.
+/// Finds the lines with a [`loose`] name, by bisection.
 fn lines_of(name: &str) -> impl Iterator<Item = &'static str> {
     let entries = entries();
     let (mut low, mut high) = (0, entries.len());
@@ -61,7 +61,7 @@ fn lines_of(name: &str) -> impl Iterator<Item = &'static str> {
     entries[low..].lines().take_while(move |line| loose(name_of(line)) == name)
 }
 
-/// Parses the words after the key of a glass's line.
+/// Parses the words that follow the key in the line of a glass.
 fn glass(words: &[&str]) -> Glass {
     let number = |word: &&str| word.parse::<f64>().expect("a test reads every glass");
     let (range, words) = match words {
@@ -99,7 +99,7 @@ fn sellmeier(constant: f64, pairs: &[f64]) -> Medium {
     }
 }
 
-/// Splits pairs into their first and second members; missing ones are 0.
+/// Splits pairs into their first and second members; missing members are 0.
 fn split<const N: usize>(pairs: &[f64]) -> [[f64; N]; 2] {
     [0, 1].map(|which| std::array::from_fn(|i| pairs.get(2 * i + which).copied().unwrap_or(0.0)))
 }

@@ -1,11 +1,12 @@
-//! The dispersion formulas of glass catalogues other than Sellmeier's with three terms: they give an index for a
-//! wavelength in µm. Also the wavelengths, nm, at which catalogues state indices and at which glasses are evaluated.
+//! The dispersion formulas of glass catalogues, except Sellmeier's formula with three terms. They give the index at a
+//! wavelength in µm. This module also defines the wavelengths, nm, at which catalogues state indices and at which
+//! glasses are evaluated.
 
 use std::ops::RangeInclusive;
 
-/// Wavelength of the helium d line, nm, the default, rounded as in parameters and most files.
+/// Wavelength of the helium d line, nm, which is the default wavelength, rounded as in parameters and most files.
 pub const D_LINE: f64 = 587.56;
-/// The wavelengths, nm, that mean the d line: from [`D_LINE`] to its exact wavelength, 587.5618.
+/// The wavelengths, nm, that are interpreted as the d line: from [`D_LINE`] to its exact wavelength, 587.5618.
 pub const D_LINES: RangeInclusive<f64> = D_LINE..=587.5618;
 /// Wavelength of the hydrogen F line, nm.
 pub const F_LINE: f64 = 486.13;
@@ -15,11 +16,11 @@ pub const C_LINE: f64 = 656.27;
 /// The wavelengths, nm, at which lenses are traced and glasses can have an index.
 pub const VALID_WAVELENGTHS: RangeInclusive<f64> = 200.0..=2000.0;
 
-/// The wavelengths, nm, at which a glass of unknown range is used, and up to which another glass's range may be
-/// exceeded with a warning. At shorter wavelengths glasses absorb, and formulas diverge.
+/// The wavelengths, nm, at which a glass of unknown range is used. A glass of known range may also be used outside its
+/// range, with a warning, but only at these wavelengths. At shorter wavelengths glasses absorb, and formulas diverge.
 pub const ORDINARY_WAVELENGTHS: RangeInclusive<f64> = 300.0..=2000.0;
 
-/// A dispersion formula with its constants, λ in µm. It covers every formula of an AGF catalogue.
+/// A dispersion formula with its constants, λ in µm. The variants cover every formula of an AGF catalogue.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Formula {
     /// n² = A + D λ² + Σ B λ²/(λ² - C): Sellmeier's formula with up to five terms.
@@ -40,12 +41,12 @@ pub enum Formula {
     Herzberger([f64; 6]),
 }
 
-/// The resonance, µm², in Herzberger's L, near that of most glasses in the ultraviolet.
+/// The resonance in the L of Herzberger's formula, µm². It lies near the ultraviolet resonance of most glasses.
 pub const HERZBERGER: f64 = 0.028;
 
-/// The lowest power of [`Formula::Polynomial`], for its first constant.
+/// The lowest power of [`Formula::Polynomial`], which belongs to its first constant.
 pub const LOWEST_POWER: i32 = -12;
-/// The highest power of [`Formula::Polynomial`], for its last constant.
+/// The highest power of [`Formula::Polynomial`], which belongs to its last constant.
 pub const HIGHEST_POWER: i32 = 6;
 
 impl Formula {

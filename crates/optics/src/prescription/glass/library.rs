@@ -1,5 +1,5 @@
-//! Finds a glass by its name: in the catalogue that the user names, in those beside the lens file, and among the
-//! built-in glasses.
+//! Finds a glass by its name: in the catalogue that the user names, in the catalogues beside the lens file, and among
+//! the built-in glasses.
 
 use std::{
     cell::OnceCell,
@@ -18,7 +18,7 @@ use realistic_base::message::{cut, nearest};
 pub struct GlassLibrary {
     /// The catalogue that the user gives.
     given: Vec<Catalogue>,
-    /// The lens file's directory, if it has one; its catalogues are indexed at the first lookup of a glass.
+    /// The lens file's directory, if it has one. The catalogues in it are indexed when a glass is first looked up.
     directory: Option<PathBuf>,
     beside: OnceCell<DirectoryCatalogues>,
 }
@@ -26,9 +26,9 @@ pub struct GlassLibrary {
 /// A glass found by name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
-    /// The `loose` name of its catalogue.
+    /// The `loose` name of the catalogue that has the glass.
     pub catalogue: String,
-    /// Whether the file names catalogues, and this is not one of them: the glass is another maker's.
+    /// Whether the glass is another maker's: the file names catalogues, and the glass's catalogue is not one of them.
     pub is_foreign: bool,
     /// The glass, or the reason why its catalogue entry cannot be used.
     pub glass: Result<Glass, String>,
@@ -36,17 +36,17 @@ pub struct Found {
 
 /// The source of a glass.
 enum GlassSource<'a> {
-    /// A catalogue; the entry is read when the search reaches it.
+    /// A catalogue, whose entry for the glass is read when the search reaches it.
     Catalogue(&'a Catalogue),
     /// A built-in glass.
     BuiltIn(Glass),
 }
 
-/// The parts of a glass's name in a file, each a `loose` word.
+/// The parts of a glass's name in a file, each part a `loose` word.
 struct Name {
-    /// The catalogue of `CATALOGUE:NAME`, the only one searched.
+    /// The catalogue in `CATALOGUE:NAME`. Only this catalogue is searched.
     only: Option<String>,
-    /// The group of `GROUP|NAME`, which begins with the maker's name.
+    /// The group in `GROUP|NAME`, which begins with the maker's name.
     group: Option<String>,
     own: String,
 }
@@ -61,7 +61,7 @@ impl Name {
     }
 }
 
-/// The catalogues in the directory of a lens file, and a warning for each one left out.
+/// The catalogues in the directory of a lens file, and a warning for each catalogue left out.
 #[derive(Debug, Default)]
 struct DirectoryCatalogues {
     catalogues: Vec<Catalogue>,
@@ -69,11 +69,11 @@ struct DirectoryCatalogues {
 }
 
 impl GlassLibrary {
-    /// Adds the glasses of an AGF catalogue; `file` is its name in messages. They precede built-in glasses of the same
-    /// name.
+    /// Adds the glasses of an AGF catalogue, which precede built-in glasses of the same name. `file` is the name of the
+    /// catalogue in messages.
     ///
     /// # Errors
-    /// The text is not an AGF catalogue, or has more than [`MAX_CATALOG_BYTES`] or [`MAX_CATALOG_GLASSES`].
+    /// The text is not an AGF catalogue, or exceeds [`MAX_CATALOG_BYTES`] or [`MAX_CATALOG_GLASSES`].
     pub fn add(&mut self, file: &str, bytes: &[u8]) -> Result<(), LensFileError> {
         self.given.push(Catalogue::new(file, bytes)?);
         Ok(())
@@ -86,8 +86,8 @@ impl GlassLibrary {
         self
     }
 
-    /// Returns the glass of that name, ignoring case, dashes, underscores and spaces. `CATALOGUE:NAME` searches only
-    /// that catalogue; `GROUP|NAME` prefers the catalogue of that group. `None`: no such glass.
+    /// Returns the glass of that name; case, dashes, underscores and spaces are ignored. `CATALOGUE:NAME` searches only
+    /// that catalogue; `GROUP|NAME` prefers the catalogue of that group. Returns `None` if no such glass exists.
     ///
     /// # Errors
     /// A catalogue has the glass, but its entry cannot be used; the text gives the reason.
@@ -95,10 +95,10 @@ impl GlassLibrary {
         self.candidates(name, &[]).next().map(|found| found.glass)
     }
 
-    /// Returns all glasses of that name, as [`find`](Self::find) interprets it, in order of preference: from the user's
-    /// catalogue, from the catalogues in `first` (`loose` names, in order), from the catalogues beside the lens file,
-    /// built-in. The iterator reads an entry only when it reaches it, so [`told`](Self::told) reports nothing of later
-    /// entries.
+    /// Returns all glasses of that name, as [`find`](Self::find) interprets it. The order of preference is: the user's
+    /// catalogue, the catalogues in `first` (`loose` names, in order), the catalogues beside the lens file, the
+    /// built-in glasses. The iterator reads an entry only when it reaches the entry, so that [`told`](Self::told)
+    /// reports nothing about later entries.
     pub fn candidates<'a>(&'a self, name: &str, first: &[String]) -> impl Iterator<Item = Found> + use<'a> {
         let Name { only, group, own } = Name::of(name);
         let first: Vec<&str> = group.iter().chain(first).map(String::as_str).collect();
@@ -132,9 +132,9 @@ impl GlassLibrary {
         })
     }
 
-    /// Returns the reason why a name is unknown, as the end of a sentence. It states the catalogue that is missing or
-    /// lacks the glass, a catalogue that has a glass of that name or else the most similar name, the catalogues that
-    /// were not searched, and a remedy.
+    /// Returns the reason why a name is unknown, as the end of a sentence. The text states the catalogue that is
+    /// missing or lacks the glass, a catalogue that has a glass of that name or otherwise the most similar name, the
+    /// catalogues that were not searched, and a remedy.
     pub fn unknown(&self, name: &str) -> String {
         let Name { only, own, .. } = Name::of(name);
         let mut known: Vec<(&str, &str)> = Vec::new();
@@ -150,7 +150,7 @@ impl GlassLibrary {
                 false => format!("no catalogue is called {}", cut(only)),
             });
         }
-        // A misspelt name is first compared with those of its own catalogue, if that is known.
+        // A misspelt name is first compared with the names in its own catalogue, if that catalogue is known.
         let of_same = known.iter().find(|(known, _)| loose(known) == own);
         let is_own = |(_, catalogue): &&(&str, &str)| only.as_deref() == Some(*catalogue);
         let of_own: Vec<(&str, &str)> = known.iter().filter(is_own).copied().collect();
@@ -196,7 +196,7 @@ impl GlassLibrary {
 }
 
 impl DirectoryCatalogues {
-    /// Reads the catalogues of a directory, in the order of their names, within the limits.
+    /// Reads the catalogues of a directory, in the order of their names, within the limits on number and size.
     fn of(directory: &Path) -> Self {
         let is_catalogue = |path: &PathBuf| {
             path.extension().is_some_and(|end| end.eq_ignore_ascii_case("agf")) && path.is_file()
@@ -246,7 +246,7 @@ impl DirectoryCatalogues {
     }
 }
 
-/// Returns the bytes of a file, if there are at most `most`; a larger file is not read.
+/// Returns the bytes of a file if it has at most `most` bytes; a larger file is not read.
 fn bytes_of(path: &Path, most: u64) -> std::io::Result<Option<Vec<u8>>> {
     let file = std::fs::File::open(path)?;
     if file.metadata()?.len() > most {
@@ -259,7 +259,7 @@ fn bytes_of(path: &Path, most: u64) -> std::io::Result<Option<Vec<u8>>> {
 mod tests {
     use super::*;
 
-    /// Writes a directory of catalogues, each with a given name, number of glasses and size in bytes.
+    /// Writes a directory of catalogues. Each catalogue has a given file name, number of glasses and size in bytes.
     fn directory(files: &[(&str, usize, usize)]) -> tempfile::TempDir {
         let directory = tempfile::tempdir().expect("a temporary directory");
         for (file, glasses, bytes) in files {
@@ -349,14 +349,14 @@ mod tests {
         );
         assert_eq!(n_d("CDGM:F4", &["SCHOTT"]), [of("CDGM", false, 1.62)]);
         assert_eq!(n_d("OHARA:F4", &[]), []);
-        // Names of catalogues as files write them, and those of a group.
+        // Names of catalogues as files write them, and names of groups.
         for first in [&["MISC", "CDGM201409"][..], &["CDGM"]] {
             assert_eq!(n_d("F4", first)[..2], [of("CDGM", false, 1.62), of("SCHOTT", true, 1.6166)]);
         }
         assert_eq!(n_d("CDGM-F|F4", &["SCHOTT"])[0], of("CDGM", false, 1.62));
         assert_eq!(n_d("SCHOTT-BK|N-BK7", &[]), [of("SCHOTT", false, 1.5168)]);
         assert_eq!(n_d("N-BK7", &["OHARA"]), [of("SCHOTT", true, 1.5168)]);
-        // The user's catalogue comes first; those beside the lens rank by their names.
+        // The user's catalogue comes first; the catalogues beside the lens rank by their names.
         let here = directory(&[("cdgm.agf", 0, 0), ("own.agf", 0, 0)]);
         for name in ["cdgm", "own"] {
             std::fs::write(here.path().join(format!("{name}.agf")), "NM F4 1 0\nCD 2.25\n").expect("written");

@@ -5,8 +5,8 @@
 //! - Sellmeier's formula with three terms, n² = 1 + Σ B λ²/(λ² - C) (M. Born and E. Wolf, *Principles of Optics*,
 //!   §2.3.4);
 //! - another formula of the glass catalogues (`formula`);
-//! - n_d and the Abbe number V = (n_d - 1)/(n_F - n_C) alone; its partial dispersions are then those typical of
-//!   glasses with that V (`two_numbers`).
+//! - n_d and the Abbe number V = (n_d - 1)/(n_F - n_C) alone; the partial dispersions are then assumed to
+//!   be those typical of glasses with that V (`two_numbers`).
 //!
 //! [`refractive_index`] evaluates a medium at one wavelength. [`Dispersion`] holds the same formulas as sums of simple
 //! terms, without their constants, for vectors of wavelengths. `usable_range` finds the wavelengths at which a formula
@@ -33,12 +33,12 @@ pub use transmittance::{InternalTransmittance, MOST_PER_MM};
 /// Returns the refractive index of `medium` at `wavelength` nm (within [`VALID_WAVELENGTHS`]).
 ///
 /// A glass with an Abbe number V has n_d at the d line and n_F - n_C = (n_d - 1)/V. At other wavelengths it has the
-/// partial dispersions that are typical of catalogue glasses with that V. Over the 2,352 built-in glasses with data in
-/// the visible, the median and the largest error are 1.6e-5 and 5e-4 between F and C; 1.7e-4 and 2.4e-3 from 400 to 710
-/// nm; 3.1e-4 and 1.3e-2 from 365 to 400 nm; 3.3e-4 and 2.9e-3 from 710 to 1014 nm; 2.5e-3 and 1.8e-2 from there to
-/// 2000 nm. Below 365 nm the index is only a guess. The error of Schott's N-SF11 is 4e-5 at F and 1.5e-4 at 400 nm;
-/// that of N-BK7 is 4e-5 and 2e-4. A glass with a catalogue's formula follows it; makers fit their formulas to some
-/// 1e-5.
+/// partial dispersions that are typical of catalogue glasses with that V. The median and the largest error, over the
+/// 2,352 built-in glasses with data in the visible, are: 1.6e-5 and 5e-4 between F and C; 1.7e-4 and 2.4e-3 from 400 to
+/// 710 nm; 3.1e-4 and 1.3e-2 from 365 to 400 nm; 3.3e-4 and 2.9e-3 from 710 to 1014 nm; 2.5e-3 and 1.8e-2 from 1014 to
+/// 2000 nm. Below 365 nm the index is only a guess. The error for Schott's N-SF11 is 4e-5 at F and 1.5e-4 at 400 nm;
+/// the error for N-BK7 is 4e-5 at F and 2e-4 at 400 nm. A glass with a formula from a catalogue follows that formula;
+/// makers fit their formulas to some 1e-5.
 pub fn refractive_index(medium: Medium, wavelength: f64) -> f64 {
     match medium {
         Medium::Air => 1.0,
@@ -49,10 +49,10 @@ pub fn refractive_index(medium: Medium, wavelength: f64) -> f64 {
     }
 }
 
-/// Returns the wavelengths, nm, between which a formula gives valid indices of a glass. This is the stated range, if
-/// the formula is valid in the whole part of it that lies in [`VALID_WAVELENGTHS`], else the valid part around the
-/// visible. Without a stated range, a Sellmeier formula with three terms is tested over [`ORDINARY_WAVELENGTHS`], any
-/// other formula between F and C; the result is `None` if it is valid there.
+/// Returns the wavelengths, nm, between which a formula gives valid indices of a glass. The result is the stated range,
+/// if the formula is valid in the whole part of that range that lies in [`VALID_WAVELENGTHS`]; otherwise it is the
+/// valid part around the visible. Without a stated range, a Sellmeier formula with three terms is tested over
+/// [`ORDINARY_WAVELENGTHS`], and any other formula between F and C; the result is `None` if the formula is valid there.
 ///
 /// # Errors
 /// The formula gives an invalid index between F and C or, if its range lies outside the visible, anywhere in its range.
@@ -91,8 +91,8 @@ pub(super) fn usable_range(medium: Medium, range: Option<[f64; 2]>) -> Result<Op
     Ok(Some([reach(needed[0], shortest), reach(needed[1], longest)]))
 }
 
-/// Returns the fault of a formula's indices between two wavelengths, nm: a resonance, or an index that no glass has, at
-/// either end or at a spectral line between them.
+/// Returns the fault of a formula's indices between two wavelengths, nm. A fault is a resonance, or an index that no
+/// glass has, at either end or at a spectral line between the ends.
 fn fault(medium: Medium, [shortest, longest]: [f64; 2]) -> Option<String> {
     let terms: &[(f64, f64)] = &match medium {
         Medium::Sellmeier { b, c } => b.into_iter().zip(c).collect::<Vec<_>>(),
@@ -136,7 +136,7 @@ fn sellmeier(b: [f64; 3], c: [f64; 3], wavelength: f64) -> f64 {
 pub enum Dispersion {
     /// The index is constant.
     None,
-    /// n or n² without its constant.
+    /// n or n² without its constant term.
     Terms {
         /// Whether the terms sum to n²; otherwise they sum to n.
         of_square: bool,
@@ -145,7 +145,7 @@ pub enum Dispersion {
     },
 }
 
-/// Terms of a formula.
+/// The terms of a formula.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Terms {
     /// `slope` λ² + Σ w/(λ² - C).
@@ -164,7 +164,7 @@ pub enum Terms {
     },
     /// b/λ + c/λ^3.5.
     Conrady([f64; 2]),
-    /// Σ b L^p + Σ d λ^(2 p), L = 1/(λ² - 0.028), over p = 1, 2, ….
+    /// Σ b L^p + Σ d λ^(2 p) over p = 1, 2, …, with L = 1/(λ² - 0.028).
     Herzberger {
         /// Coefficients of L, L².
         of_l: [f64; 2],
@@ -204,12 +204,12 @@ impl Dispersion {
     }
 }
 
-/// The index of vacuum relative to air at 20 °C and 1013 hPa (P. E. Ciddor, *Applied Optics* 35, 1996), for which
-/// catalogues state their indices.
+/// The index of vacuum relative to air at 20 °C and 1013 hPa (P. E. Ciddor, *Applied Optics* 35, 1996). Catalogues
+/// state their indices relative to this air.
 const VACUUM: f64 = 0.999_73;
 
-/// Returns the medium of a word that needs no catalogue: air, vacuum, or a glass by its six-digit code. `None` for any
-/// other word.
+/// Returns the medium that a word names without a catalogue: air, vacuum, or a glass by its six-digit code. Returns
+/// `None` for any other word.
 pub(crate) fn by_word(word: &str) -> Option<Medium> {
     match loose(word).as_str() {
         "AIR" => Some(Medium::Air),
@@ -218,7 +218,7 @@ pub(crate) fn by_word(word: &str) -> Option<Medium> {
     }
 }
 
-/// Returns a name in capitals, without dashes, underscores and spaces.
+/// Returns a name in capitals, without dashes, underscores or spaces.
 pub(super) fn loose(name: &str) -> String {
     let counts = |c: &char| !matches!(c, '-' | '_' | ' ');
     name.chars().filter(counts).map(|c| c.to_ascii_uppercase()).collect()
@@ -250,7 +250,7 @@ mod tests {
 
     #[test]
     fn a_real_glass_is_met_between_f_and_c() {
-        // Schott N-BK7: n_d 1.51680, V_d 64.17; its data sheet's n_e (546.07 nm) is 1.51872.
+        // Schott N-BK7 has n_d 1.51680 and V_d 64.17; the n_e (546.07 nm) in its data sheet is 1.51872.
         let glass = Medium::Glass { n_d: 1.51680, abbe: Some(64.17) };
         assert!((refractive_index(glass, 546.07) - 1.51872).abs() < 1e-4);
     }
@@ -260,7 +260,7 @@ mod tests {
         let glass = Medium::Glass { n_d: 1.5168, abbe: Some(64.17) };
         let index = |nm: f64| refractive_index(glass, nm);
         assert_eq!([587.56, 587.561, 587.5618].map(index), [1.5168; 3]);
-        // The slope is 0.00004 per nanometre: no jump exceeds the change over the width of the d line's interval.
+        // The slope is 0.00004 per nanometre. No jump exceeds the change over the interval `D_LINES`.
         let step = (index(587.5618) - index(587.5619)).abs();
         assert!(step < 1e-7, "{step}");
         assert!(index(587.5) > 1.5168 && index(587.6) < 1.5168);
@@ -295,7 +295,7 @@ mod tests {
 
     #[test]
     fn a_formula_counts_only_where_it_gives_indices() {
-        // n² = 2.30 - 0.80 λ² + 0.014/λ² is 1 at λ² = 1.6357: at 1279 nm.
+        // n² = 2.30 - 0.80 λ² + 0.014/λ² equals 1 at λ² = 1.6357, that is, at 1279 nm.
         let mut constants = [0.0; 10];
         constants[5..8].copy_from_slice(&[0.014, 2.30, -0.80]);
         let falling = Medium::Formula(Formula::Polynomial(constants));
@@ -329,8 +329,8 @@ mod tests {
         }
     }
 
-    /// Returns the median and the maximum of the glasses' largest differences, over the built-in glasses with data from
-    /// F to C, each within its own data.
+    /// Returns the median and the maximum of the glasses' largest differences. The glasses are the built-in ones with
+    /// data from F to C; each is evaluated within the range of its own data.
     fn over_the_built_in(wavelengths: [u32; 2]) -> [f64; 2] {
         let mut worst: Vec<f64> = Vec::new();
         let of_catalogue = |(name, catalogue): (&str, &'static str)| {
@@ -365,7 +365,7 @@ mod tests {
 
     #[test]
     fn sellmeiers_formula_gives_a_data_sheets_indices() {
-        // Schott N-BK7: the indices of its data sheet, to five decimals.
+        // The indices of Schott N-BK7 from its data sheet, to five decimals.
         let glass = N_BK7;
         for (line, expected) in [
             (F_LINE, 1.52238),

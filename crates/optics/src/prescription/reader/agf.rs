@@ -1,7 +1,7 @@
-//! AGF glass catalogues, as glass makers publish them: `NM` name, formula, code, n_d, V_d; `CD` the constants; `LD` the
-//! range of wavelengths, µm; `IT` the internal transmittance: wavelength, µm, transmittance, thickness, mm. A catalogue
-//! is indexed by its names, and an entry is parsed only when a lens names its glass. A malformed line loses only its
-//! own data; the glass is lost only if it has no index without that line.
+//! AGF glass catalogues, as glass makers publish them. `NM` states name, formula, code, n_d and V_d; `CD` the
+//! constants; `LD` the range of wavelengths, µm; `IT` the internal transmittance, as wavelength (µm), transmittance and
+//! thickness (mm). A catalogue is indexed by the names of its glasses, and an entry is parsed only when a lens names
+//! its glass. A malformed line loses only its own data; the glass is lost only if it has no index without that line.
 
 use std::{cell::RefCell, collections::HashMap, path::Path, sync::Arc};
 
@@ -18,18 +18,18 @@ use realistic_base::message::cut;
 pub struct Catalogue {
     /// The name of the catalogue in messages.
     file: String,
-    /// The file's name without its extension, [`loose`], by which a lens names the catalogue.
+    /// The name of the file without its extension, as a [`loose`] word. A lens names the catalogue by this word.
     pub name: String,
     text: String,
-    /// The line, counted from 1, and the byte offset at which the glass of each [`loose`] name begins.
+    /// The line, counted from 1, and the byte offset at which the entry of each glass begins, by [`loose`] name.
     index: HashMap<String, [usize; 2]>,
     found: RefCell<HashMap<usize, Result<Glass, String>>>,
-    /// Warnings about the lines left out of the glasses that were looked up.
+    /// Warnings about lines that were left out, for the glasses that were looked up.
     warnings: RefCell<Vec<String>>,
 }
 
 impl Catalogue {
-    /// Indexes a catalogue; `file` is its name in messages.
+    /// Indexes a catalogue; `file` is the name of the catalogue in messages.
     ///
     /// # Errors
     /// The text is longer than [`MAX_CATALOG_BYTES`], names no glass, or names more than [`MAX_CATALOG_GLASSES`].
@@ -68,7 +68,7 @@ impl Catalogue {
         })
     }
 
-    /// Returns the names of the glasses, as written.
+    /// Returns the names of the glasses, as written in the catalogue.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.index.values().filter_map(|&[_, start]| name_in(self.lines(start).next()?))
     }
@@ -78,12 +78,12 @@ impl Catalogue {
         self.index.len()
     }
 
-    /// Whether the catalogue has a glass with this [`loose`] name.
+    /// Returns whether the catalogue has a glass with this [`loose`] name.
     pub fn has(&self, name: &str) -> bool {
         self.index.contains_key(name)
     }
 
-    /// Returns the glass of a [`loose`] name.
+    /// Returns the glass with a [`loose`] name.
     ///
     /// # Errors
     /// The entry cannot be used; the text gives the reason.
@@ -93,12 +93,12 @@ impl Catalogue {
         Some(found.entry(start).or_insert_with(|| self.glass(line, start)).clone())
     }
 
-    /// Returns warnings about the lines left out of the glasses that were looked up.
+    /// Returns warnings about lines that were left out, for the glasses that were looked up.
     pub fn warnings(&self) -> Vec<String> {
         self.warnings.borrow().clone()
     }
 
-    /// Returns the lines from a glass's first byte on, up to the limit for one glass.
+    /// Returns the lines from the first byte of a glass's entry on, up to the size limit for one glass.
     fn lines(&self, start: usize) -> impl Iterator<Item = &str> {
         let rest = &self.text[start..];
         rest[..rest.floor_char_boundary(MAX_GLASS_BYTES)].split(line_end(&self.text))
@@ -155,7 +155,8 @@ impl Catalogue {
     }
 }
 
-/// Reads a line of internal transmittance: nm, transmittance, mm. `None` if the maker gives no value.
+/// Reads a line of internal transmittance: wavelength (nm), transmittance, thickness (mm). Returns `None` if the maker
+/// gives no value.
 ///
 /// # Errors
 /// The numbers are malformed or out of range.
@@ -164,9 +165,9 @@ fn transmittance_row(row: [(Option<f64>, &str); 3]) -> Option<Result<[f64; 3], S
     if share.1.chars().all(|c| c == '-') {
         return None;
     }
-    // Makers write 1.001 and -0.0003 for 1 and 0 with rounding errors.
+    // Makers write 1.001 for 1, and -0.0003 for 0, because of rounding errors.
     const ROUNDED: f64 = 2e-3;
-    // The thinnest plate, mm: a thinner one could state coefficients beyond `MOST_PER_MM`.
+    // Thickness of the thinnest plate, mm. A thinner plate could state coefficients beyond `MOST_PER_MM`.
     const THINNEST: f64 = 0.01;
     let row = match row.map(|(number, _)| number) {
         [Some(wavelength), Some(share), Some(thickness)]
@@ -198,10 +199,11 @@ fn name_in(line: &str) -> Option<&str> {
     words.next().filter(|key| *key == "NM").and(words.next()).filter(|name| name.len() <= MAX_NAME_BYTES)
 }
 
-/// Number of constants of each formula, 1 to 13; a catalogue's line may have more.
+/// Number of constants of each formula, 1 to 13. The line in a catalogue may have more.
 const CONSTANTS: [usize; 13] = [6, 6, 6, 5, 3, 8, 4, 4, 5, 8, 10, 8, 9];
 
-/// Returns the medium of a formula's number and its constants, given as the words of the line; missing ones are 0.
+/// Returns the medium for a formula's number and its constants. The constants are given as the words of the line;
+/// missing constants are 0.
 fn medium(formula: Option<f64>, words: &[(Option<f64>, &str)]) -> Result<Medium, String> {
     let code = formula.ok_or("the number of its formula is missing on the line NM, behind its name")? as i64;
     let count = usize::try_from(code - 1).ok().and_then(|index| CONSTANTS.get(index).copied());
@@ -224,7 +226,7 @@ fn medium(formula: Option<f64>, words: &[(Option<f64>, &str)]) -> Result<Medium,
             Ok(sellmeier([constant - b / c, slope], &[term, (b / c, c)]))
         }
     };
-    // Moves coefficients from the catalogue's order of powers, 0, 2, -2, …, to ascending order, from -12 to 6.
+    // Moves coefficients from the catalogue's order of powers (0, 2, -2, …) to ascending order (-12 to 6).
     let polynomial = |powers: &[i32]| {
         let mut by_power = [0.0; 10];
         for (i, power) in powers.iter().enumerate() {
@@ -254,7 +256,7 @@ mod tests {
     use super::*;
     use crate::prescription::glass::{C_LINE, D_LINE, F_LINE, refractive_index};
 
-    /// Returns n_d and V of a one-glass catalogue.
+    /// Returns n_d and V of the glass in a catalogue with one glass.
     fn n_d_and_abbe(code: &str, constants: &str) -> [f64; 2] {
         let text = format!("CC of tests\nNM X {code} 0 1.5 60 0\nED 1 2\nCD {constants}\nTD 0\n");
         let catalogue = Catalogue::new("x.agf", text.as_bytes()).expect("a catalogue");
@@ -324,7 +326,7 @@ mod tests {
             ("6", "1.25 0.01 1 100 0 0 0 0"),
             ("9", "1 1.25 0.01 1 100"),
             ("11", "1.25 0.01 1 100 0 0 0 0 0 0"),
-            // λ²/(λ² - 100) = 1 + 100/(λ² - 100); this form takes √C.
+            // λ²/(λ² - 100) = 1 + 100/(λ² - 100). This form takes √C as its constant.
             ("4", "1 1.25 0.1 100 10"),
         ] {
             let found = n_d_and_abbe(code, constants);
@@ -333,11 +335,11 @@ mod tests {
                 "{code}: {found:?}"
             );
         }
-        // n² = 2.2 + 0.01/(λ² - 0.01) - 0.01 λ²; λ²/(λ² - 0.01) - 1 = 0.01/(λ² - 0.01).
+        // n² = 2.2 + 0.01/(λ² - 0.01) - 0.01 λ². The two forms agree because λ²/(λ² - 0.01) - 1 = 0.01/(λ² - 0.01).
         let seven = n_d_and_abbe("7", "2.2 0.01 0.01 0.01");
         let eight = n_d_and_abbe("8", "1.2 1 0.01 0.01");
         assert!((seven[0] - eight[0]).abs() < 1e-12 && (seven[1] - eight[1]).abs() < 1e-6);
-        // A polynomial of n² in each of the polynomial forms.
+        // A polynomial of n², written in each of the polynomial forms.
         let schott = n_d_and_abbe("1", "2.3 -0.01 0.01 0.0002 0 0");
         for (code, constants) in [
             ("10", "2.3 -0.01 0.01 0.0002 0 0 0 0"),
@@ -415,7 +417,7 @@ mod tests {
         let catalogue = Catalogue::new("x.agf", text.as_bytes()).expect("a catalogue");
         let found = |name: &str| catalogue.find(name).expect("listed");
         let index = |name: &str| refractive_index(found(name).expect("right").medium, 587.5618);
-        // A constant beyond those of the formula is ignored, and so is a malformed range.
+        // Constants beyond the number that the formula has are ignored, and so is a malformed range.
         assert_eq!((index("A"), found("A").expect("right").range), (1.5, None));
         let why = found("B").expect_err("no index");
         assert!(
@@ -433,7 +435,7 @@ mod tests {
     #[test]
     fn a_large_catalogue_is_read_only_for_the_named_glasses() {
         let line = "CD 1.1 0.006 0.23 0.02 1.01 103\n";
-        // A glass with endless lines, and the largest number of glasses.
+        // A glass with an excessive number of lines, and the largest allowed number of glasses.
         let mut text = format!("NM ENDLESS 2 0\n{}", "IT 0.5 1 10\n".repeat(100_000)) + line;
         for i in 1..MAX_CATALOG_GLASSES {
             text += &format!("NM G{i} 2 0\n{line}");

@@ -1,12 +1,14 @@
-//! FlareSim text (`.lens`), the format of the largest open collection of lenses from patents: `name:`, `focal_length:`,
-//! `surfaces:`, and a row for each surface. A row has the radius (0: a plane; `stop`: the stop), thickness, index and
-//! V-number behind the surface, size, and number of coating layers.
+//! FlareSim text (`.lens`), the format of the largest open collection of lenses from patents. It has `name:`,
+//! `focal_length:`, `surfaces:`, and a row for each surface. A row has six values: the radius (0 for a plane, `stop`
+//! for the stop), the thickness, the index behind the surface, the V-number behind the surface, the size, and the
+//! number of coating layers.
 //!
 //! The column of sizes is called semi-aperture, but most files have *diameters* in it. The sizes are read as diameters
-//! if otherwise neighbours would cross or a size would exceed its radius; a remark states which reading is used.
+//! if, read as semi-diameters, they would let neighbours cross or would exceed a radius. A remark states which reading
+//! is used.
 //!
-//! No file states the materials of the layers. One layer is read as a quarter wave, two as the V-coat, more as the
-//! three-layer broadband coating, on surfaces between air and glass.
+//! No file states the materials of the layers. On surfaces between air and glass, one layer is read as a quarter wave,
+//! two layers as the V-coat, and more layers as the three-layer broadband coating.
 
 use super::{
     ledger::Ledger,
@@ -21,7 +23,7 @@ use crate::prescription::{
 
 const COLUMNS: &str = "a row has six values: radius, thickness, index, V-number, semi-aperture, coating";
 
-/// The reason recorded for a number of layers.
+/// The reason recorded when a number of layers is read as a coating.
 const COATED: &str = "the number of a coating's layers is taken for a coating that has as many";
 
 /// Reads a lens from a text.
@@ -103,7 +105,7 @@ pub(super) fn read(text: &Text<'_>, ledger: &mut Ledger<'_>) -> Result<Prescript
     })
 }
 
-/// Reads one row; returns it with its size, as written, instead of the diameter, and the number of coating layers.
+/// Reads one row. Returns the surface row, whose diameter is the size as written, and the number of coating layers.
 fn row(text: &Text<'_>, cells: &[Cell<'_>]) -> Result<(SurfaceRow, u32), LensFileError> {
     let [radius, thickness, index, abbe, size, coating] = cells else {
         let message = format!(
@@ -131,7 +133,7 @@ fn row(text: &Text<'_>, cells: &[Cell<'_>]) -> Result<(SurfaceRow, u32), LensFil
     Ok((row, layers))
 }
 
-/// Whether sizes, read as semi-diameters, exceed a radius or let two neighbours, other than stops, cross.
+/// Returns whether sizes, read as semi-diameters, exceed a radius or let two neighbours that are not stops cross.
 fn cross(rows: &[SurfaceRow]) -> bool {
     let sagitta = |row: &SurfaceRow, height: f64| {
         let c = row.radius.recip();
@@ -161,7 +163,7 @@ fn cross(rows: &[SurfaceRow]) -> bool {
 mod tests {
     use crate::prescription::{Coating, Medium, SurfaceCoating, read};
 
-    /// Returns a thick biconvex lens and a stop of given sizes.
+    /// Returns a thick biconvex lens and a stop with the given sizes.
     fn lens(sizes: [f64; 3]) -> String {
         let [first, second, stop] = sizes;
         format!(
@@ -172,7 +174,7 @@ mod tests {
 
     #[test]
     fn sizes_are_diameters_where_semi_diameters_would_cross() {
-        // The gap at a height h is 5 - 2 (20 - sqrt(400 - h²)): 0 at h = 9.68.
+        // The gap at a height h is 5 - 2 (20 - sqrt(400 - h²)), which is 0 at h = 9.68.
         for (size, semi_diameter) in [(9.6, 9.6), (9.7, 4.85), (19.0, 9.5)] {
             let read = read("lens", lens([size, size, 4.0]).as_bytes()).expect("a lens");
             assert_eq!(read.interfaces[0].semi_diameter, semi_diameter, "{size}");

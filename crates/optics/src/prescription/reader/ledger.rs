@@ -1,7 +1,8 @@
-//! The ledger of a file while it is read: it takes the text's lines, and returns the fate of each and the warnings.
+//! The ledger of a file while the file is read: it receives the lines of the text, and returns the fate of each line
+//! and the warnings.
 //!
-//! A line is open until a reader records its fate. Lines that are open at the end are left out, as statements unknown
-//! to the reader. Equal findings become one, with all their lines and surfaces.
+//! A line is open until a reader records its fate. Lines that are open at the end are recorded as left out, being
+//! statements unknown to the reader. Equal findings are merged into one, with all their lines and surfaces.
 
 use std::collections::HashMap;
 
@@ -9,10 +10,10 @@ use super::text::{Location, Text};
 use crate::prescription::{Fate, Finding};
 use realistic_base::message::cut;
 
-/// The reason for a line that no reader recorded.
+/// The reason recorded for a line whose fate no reader recorded.
 const UNKNOWN: &str = "not known to this reader";
 
-/// The fates of a file's lines while it is read.
+/// The fates of a file's lines while the file is read.
 #[derive(Debug)]
 pub(super) struct Ledger<'t> {
     file: &'t str,
@@ -20,13 +21,13 @@ pub(super) struct Ledger<'t> {
     open: Vec<Option<&'t str>>,
     /// The findings in the order of their first statements.
     findings: Vec<Finding>,
-    /// The index of each finding, by its fate, its statement and its reason.
+    /// The index of each finding, by the fate, statement and reason of the finding.
     known: HashMap<(Fate, String, String), usize>,
     warnings: Vec<String>,
 }
 
 impl<'t> Ledger<'t> {
-    /// Opens all lines of a text; comments (`#`) are informative.
+    /// Opens all lines of a text. Comments (`#`) are informative.
     pub(super) fn of(text: &'t Text<'_>) -> Self {
         let words = text.lines().map(|(_, line)| line.split_whitespace().next());
         let mut all = Self {
@@ -44,7 +45,7 @@ impl<'t> Ledger<'t> {
         all
     }
 
-    /// Records the fate of a statement. `reason` is a sentence that is clear without the statement.
+    /// Records the fate of a statement. `reason` is a sentence that is clear without the statement beside it.
     pub(super) fn note(
         &mut self,
         fate: Fate,
@@ -56,7 +57,7 @@ impl<'t> Ledger<'t> {
         self.add(fate, Some(location), statement, surface, reason.into(), false);
     }
 
-    /// Records a fate as [`Self::note`] does, with a warning to the user of the lens.
+    /// Records a fate as [`Self::note`] does, and adds a warning for the user of the lens.
     pub(super) fn warn(
         &mut self,
         fate: Fate,
@@ -68,13 +69,13 @@ impl<'t> Ledger<'t> {
         self.add(fate, Some(location), statement, surface, reason.into(), true);
     }
 
-    /// Records a fate as [`Self::warn`] does, for something without a particular line.
+    /// Records a fate as [`Self::warn`] does, for something that belongs to no particular line.
     pub(super) fn warn_of_file(&mut self, fate: Fate, statement: &str, reason: impl Into<String>) {
         self.add(fate, None, statement, None, reason.into(), true);
     }
 
-    /// Records that open lines were used. `name` returns a line's statement from its first word, or `None` to leave it
-    /// open.
+    /// Records that open lines were used. `name` returns the statement of a line from the first word of that line, or
+    /// `None` if the line is to stay open.
     pub(super) fn use_open(&mut self, name: impl Fn(usize, &'t str) -> Option<&'t str>) {
         for line in 1..=self.open.len() {
             if let Some(statement) = self.open[line - 1].and_then(|word| name(line, word)) {
@@ -83,7 +84,7 @@ impl<'t> Ledger<'t> {
         }
     }
 
-    /// Whether the fate of a line is still unknown.
+    /// Returns whether the fate of a line is still unknown.
     pub(super) fn is_open(&self, line: usize) -> bool {
         self.open.get(line - 1).is_some_and(Option::is_some)
     }

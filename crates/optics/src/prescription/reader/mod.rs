@@ -1,16 +1,18 @@
-//! The reader of lens files. This module recognises the format of a text; each format has its own module: the project's
-//! own [`table`], [`optical_bench`] text, [`zemax`] and [`flaresim`] files, and [`agf`] catalogues of glass. Every
-//! format makes rows, from which [`surface_rows`] makes checked interfaces. Files of other programs are not supported;
-//! [`binary`] and [`foreign`] recognise them by their beginning, so that the message names the program and not merely a
-//! misread number.
+//! The reader of lens files. This module recognises the format of a text. Each format has its own module: the project's
+//! own [`table`], [`optical_bench`] text, [`zemax`] and [`flaresim`] files, and [`agf`] catalogues of glass. Every lens
+//! format produces rows, from which [`surface_rows`] builds checked interfaces. Files of other programs are not
+//! supported; [`binary`] and [`foreign`] recognise them by their beginning, so that the message names the program
+//! instead of reporting a misread number.
 //!
-//! To add a format, write a module here that makes a [`Prescription`] of a text, within the limits, with a `SurfaceRow`
-//! per surface. Add its recognition to [`Format::of`], malformed files to its tests, a valid file to those that
-//! `tests/abi/fuzz_bodies.rs` mutates, and its description to `docs/lens-format.md` and `docs/lenses.md`.
+//! To add a format, write a module here that builds a [`Prescription`] from a text, within the limits, with a
+//! `SurfaceRow` for each surface. Add recognition of the format to [`Format::of`], malformed files to the tests of the
+//! module, and a valid file to the files that `tests/abi/fuzz_bodies.rs` mutates. Describe the format in
+//! `docs/lens-format.md` and `docs/lenses.md`.
 //!
 //! A file has at most [`MAX_FILE_BYTES`] bytes, `MAX_INTERFACES` interfaces and the same number of glass definitions.
-//! Its name and the names of its glasses have at most [`MAX_NAME_BYTES`] bytes. Larger input is refused before anything
-//! is computed from it: no real lens comes near these limits, and a file from elsewhere must not keep its reader busy.
+//! The name of the file and the names of its glasses have at most [`MAX_NAME_BYTES`] bytes. Larger input is refused
+//! before anything is computed from it. No real lens comes near these limits, and a file from elsewhere must not keep
+//! the reader busy.
 
 pub(super) mod agf;
 mod flaresim;
@@ -29,7 +31,7 @@ use ledger::Ledger;
 use realistic_base::message::{counted, cut, folded};
 use text::Text;
 
-/// Reads a lens file's text in any format; glass names are looked up among the built-in glasses.
+/// Reads the text of a lens file in any format. Glass names are looked up among the built-in glasses.
 ///
 /// # Errors
 /// See [`read_with`].
@@ -37,15 +39,15 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Prescription, LensFileError> {
     read_with(name, bytes, &GlassLibrary::default())
 }
 
-/// Reads a lens file's text in any format; glass names are looked up in `library`.
+/// Reads the text of a lens file in any format. Glass names are looked up in `library`.
 ///
-/// `name` is the file as the caller knows it and begins every error message. The text is UTF-8 with or without a
-/// byte-order mark, or UTF-16 with one; comments may be in any encoding.
+/// `name` is the name of the file as the caller knows it; every error message begins with `name`. The text is UTF-8
+/// with or without a byte-order mark, or UTF-16 with a byte-order mark. Comments may be in any encoding.
 ///
 /// # Errors
-/// The text is not a lens; the error gives the first location at which it is malformed, and the expected content. A
-/// text with more than [`MAX_FILE_BYTES`] bytes, more interfaces or glasses than a lens may have, or a name of more
-/// than [`MAX_NAME_BYTES`] bytes is also an error.
+/// The text is not a lens; the error gives the first location at which the text is malformed, and the expected content.
+/// Also an error are a text of more than [`MAX_FILE_BYTES`] bytes, more interfaces or glasses than a lens may have, and
+/// a name of more than [`MAX_NAME_BYTES`] bytes.
 pub fn read_with(name: &str, bytes: &[u8], library: &GlassLibrary) -> Result<Prescription, LensFileError> {
     let short_name = short_name(name);
     if short_name.len() > MAX_NAME_BYTES {
@@ -78,7 +80,7 @@ pub fn read_with(name: &str, bytes: &[u8], library: &GlassLibrary) -> Result<Pre
     Ok(Prescription { name: short_name, findings: findings.into(), ..lens })
 }
 
-/// Leaves out the positions that do not pair, and orders the others as `Positions::layout` has them.
+/// Leaves out the positions that do not pair, and puts the others in the order of `Positions::layout`.
 fn keep_paired_positions(lens: &mut Prescription, ledger: &mut Ledger<'_>) {
     let Some(positions) = &mut lens.positions else { return };
     let paired = positions.paired();
@@ -105,12 +107,12 @@ enum Format {
     OpticalBench,
     Zemax,
     FlareSim,
-    /// A glass catalogue or a file of another program, with the message about it.
+    /// A glass catalogue or a file of another program, with the message that says so.
     Foreign(String),
 }
 
 impl Format {
-    /// Recognises the format of a text by a line that only this format has.
+    /// Recognises the format of a text by a line that occurs only in this format.
     fn of(bytes: &[u8]) -> Self {
         let lines = bytes.split(|byte| matches!(byte, b'\n' | b'\r'));
         let begins = |line: &[u8], word: &str, then: fn(&u8) -> bool| {
@@ -148,7 +150,7 @@ fn short_name(name: &str) -> String {
 const READ: &str = "read are a table with a line for each surface (radius, thickness, index and clear diameter in mm: \
                     docs/lens-format.md), Optical Bench text, Zemax text (.zmx) and FlareSim text (.lens); export one of these";
 
-/// Recognises by its first bytes a file that is not text or that only refers to another file.
+/// Recognises, by its first bytes, a file that is not text, or a file that only refers to another file.
 fn binary(bytes: &[u8]) -> Option<&'static str> {
     const POINTER: &[u8] = b"version https://git-lfs.github.com/spec/";
     match bytes {
@@ -170,7 +172,7 @@ fn binary(bytes: &[u8]) -> Option<&'static str> {
     }
 }
 
-/// Recognises a text of another program.
+/// Recognises a text written for another program.
 fn foreign(bytes: &[u8]) -> Option<String> {
     let start = bytes.trim_ascii_start();
     let json = |byte: &u8| matches!(byte, b'{' | b'[' | b'"' | b'-' | b'0'..=b'9');
@@ -186,13 +188,14 @@ fn foreign(bytes: &[u8]) -> Option<String> {
     Some(format!("{what}; {READ}"))
 }
 
-/// Returns the lines of a text that contain more than a comment, which begins with any of the given characters.
+/// Returns the lines of a text that contain more than a comment. A comment begins with any of the characters
+/// `comments`.
 fn statements<'t>(text: &'t [u8], comments: &'static [u8]) -> impl Iterator<Item = &'t [u8]> {
     let lines = text.split(|byte| matches!(byte, b'\n' | b'\r')).map(<[u8]>::trim_ascii);
     lines.filter(move |line| line.first().is_some_and(|first| !comments.contains(first)))
 }
 
-/// Whether a text begins with a TOML table's heading, `[lens]` or `[[surface]]`, or with `key = value`.
+/// Returns whether a text begins with the heading of a TOML table, `[lens]` or `[[surface]]`, or with `key = value`.
 fn is_toml(text: &[u8]) -> bool {
     let Some(line) = statements(text, b"#").next() else { return false };
     let is_key = |key: &[u8]| {
@@ -207,11 +210,12 @@ fn is_toml(text: &[u8]) -> bool {
     bare(line).is_some_and(|key| is_key(&key)) || key.is_some_and(is_key)
 }
 
-/// Number of leading lines, without empty lines and comments, that are searched for a command of another program: a
-/// title and the like may precede it.
+/// Number of leading lines that are searched for a command of another program, not counting empty lines and comments. A
+/// title and similar lines may precede the command.
 const BEGINNING: usize = 20;
 
-/// Recognises a text of Code V or OSLO by the commands at its beginning, ignoring comments of either and of tables.
+/// Recognises a text of Code V or OSLO by the commands at its beginning. Comments of either program and of tables are
+/// ignored.
 fn by_commands(text: &[u8]) -> Option<&'static str> {
     const CODE_V: &str = "a lens of Code V (.seq), which is not read";
     const OSLO: &str = "a lens of OSLO (.len), which is not read";
@@ -255,7 +259,7 @@ mod tests {
             let error = read("other", text).expect_err(what).to_string();
             assert!(error.contains(what) && error.contains("FlareSim"), "{error}");
         }
-        // A stop or a title that begins like a command is not one.
+        // A comment or stop row that begins with the letters of a command is not a command.
         for text in ["# SO it is\n20 5 1.5 10\n-20 30 1 10", "stop 3 1 8\n20 5 1.5 10\n-20 30 1 10"] {
             assert!(read("own", text.as_bytes()).is_ok(), "{text}");
         }
@@ -276,12 +280,13 @@ mod tests {
     }
 }
 
-/// Checks shared by the tests of every reader: a text is a lens, or is refused with a message, as its user reads it.
+/// Checks shared by the tests of every reader: that a text is a lens, or that it is refused with the message that the
+/// user reads.
 #[cfg(test)]
 mod checks {
     use crate::prescription::{Prescription, read};
 
-    /// The file name in all tests; the format is recognised by the text.
+    /// The file name in all tests. The format is recognised by the text and not by this name.
     pub const FILE: &str = "lens.dat";
 
     #[track_caller]

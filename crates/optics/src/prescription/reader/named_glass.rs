@@ -1,5 +1,6 @@
-//! Glasses that a file names, perhaps with their n_d and V. A name and the two numbers select the medium. Warnings
-//! about glasses that are unknown, of another maker or of other numbers are collected, one sentence for each kind.
+//! Glasses that a file names, perhaps with their n_d and V. The name and these two numbers select the medium. Warnings
+//! about glasses that are unknown, belong to another maker or have other numbers are collected, one sentence for each
+//! kind.
 
 use crate::prescription::{
     glass::{C_LINE, D_LINE, F_LINE, Found, GlassLibrary, by_word, refractive_index},
@@ -8,27 +9,28 @@ use crate::prescription::{
 };
 use realistic_base::message::{cut, some_of};
 
-/// The largest difference between a file's n_d and that of the glass that it names: patents and catalogues round, and
-/// melts vary.
+/// The largest accepted difference between a file's n_d and the n_d of the glass that the file names. Patents and
+/// catalogues round, and melts vary.
 const INDEX_APART: f64 = 5e-4;
-/// The largest difference of V, relative to V.
+/// The largest accepted difference between the two values of V, relative to V.
 const ABBE_APART: f64 = 0.015;
 
 /// The glasses of a file.
 #[derive(Debug)]
 pub(super) struct NamedGlasses<'a> {
     library: &'a GlassLibrary,
-    /// The catalogues that the file names, as [`loose`](crate::prescription::glass::loose) words: their glasses precede
-    /// others of the same name.
+    /// The catalogues that the file names, as [`loose`](crate::prescription::glass::loose) words. Glasses of these
+    /// catalogues precede other glasses of the same name.
     first: Vec<String>,
     named: Vec<(String, Glass)>,
     /// Names of unknown glasses.
     unknown: Vec<String>,
-    /// Names of glasses with other numbers, if those of the file are used.
+    /// Names of known glasses whose numbers differ from those in the file, where the numbers in the file are used.
     other: Vec<String>,
-    /// Names of glasses with other numbers, if those of the name are used.
+    /// Names of known glasses whose numbers differ from those in the file, where the numbers of the known glass are
+    /// used.
     differs: Vec<String>,
-    /// Names and catalogues of glasses that are in none of the file's catalogues.
+    /// Names of glasses that are in none of the file's catalogues, with the catalogues that have them.
     foreign: Vec<String>,
 }
 
@@ -39,7 +41,8 @@ impl<'a> NamedGlasses<'a> {
     }
 
     /// Returns the medium of a glass that the file calls `name` (may be empty), with n_d, more than 1, and V, positive.
-    /// It is the known glass of that name if its numbers agree, else a medium with the file's numbers.
+    /// The result is the known glass of that name if its numbers agree, otherwise a medium with the numbers in the
+    /// file.
     pub(super) fn checked(&mut self, name: &str, n_d: f64, abbe: Option<f64>) -> MediumBehind {
         let mut is_known = false;
         let glasses = self.library.candidates(name, &self.first).filter_map(|found| found.glass.ok());
@@ -47,7 +50,7 @@ impl<'a> NamedGlasses<'a> {
         match own {
             Some(glass) => self.use_as(name, glass),
             None => {
-                // The numbers are more precise than a code, which rounds them.
+                // The numbers are more precise than a six-digit code, which rounds them.
                 if !name.is_empty() && by_word(name).is_none() {
                     note(if is_known { &mut self.other } else { &mut self.unknown }, name);
                 }
@@ -56,7 +59,7 @@ impl<'a> NamedGlasses<'a> {
         }
     }
 
-    /// Returns the medium of these numbers, regardless of the name.
+    /// Returns the medium with these numbers, regardless of the name.
     pub(super) fn by_numbers(&mut self, name: &str, n_d: f64, abbe: Option<f64>) -> MediumBehind {
         let medium = Medium::Glass { n_d, abbe };
         if name.is_empty() { medium.into() } else { self.use_as(name, Glass::new(medium, None)) }
@@ -115,7 +118,7 @@ impl<'a> NamedGlasses<'a> {
     }
 }
 
-/// Whether a glass has these numbers, within tolerance.
+/// Returns whether a glass has these numbers, within the tolerances.
 fn is_of(medium: Medium, n_d: f64, abbe: Option<f64>) -> bool {
     let [d, f, c] = [D_LINE, F_LINE, C_LINE].map(|line| refractive_index(medium, line));
     let own = (d - 1.0) / (f - c);

@@ -1,5 +1,5 @@
-//! A surface as its row states it, in any format. Also makes the interfaces of a lens from its rows, with the checks
-//! that need a row's neighbours.
+//! A surface as its row states it, in any format. This module also builds the interfaces of a lens from its rows, with
+//! the checks that need a row's neighbours.
 
 use super::{ledger::Ledger, text::Location};
 use crate::prescription::{
@@ -9,7 +9,7 @@ use crate::prescription::{
 };
 use realistic_base::message::{as_given, short};
 
-/// The role that a row states for itself.
+/// The role that a row states for its surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Role {
     /// No role: a plane in air is the stop, or a flare stop if another row is the stop.
@@ -24,7 +24,7 @@ pub(super) enum Role {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MediumBehind {
     pub medium: Medium,
-    /// The index of the glass among the file's named glasses.
+    /// The index of the glass in the list of glasses that the file names.
     pub glass: Option<usize>,
 }
 
@@ -35,7 +35,7 @@ impl From<Medium> for MediumBehind {
 }
 
 impl MediumBehind {
-    /// Returns the named glass, and adds it to `glasses` if it is new.
+    /// Returns the medium of a named glass, and adds the glass to `glasses` if it is new.
     pub(super) fn named(name: &str, glass: Glass, glasses: &mut Vec<(String, Glass)>) -> Self {
         let medium = glass.medium;
         let known = glasses.iter().position(|(known, other)| known == name && *other == glass);
@@ -47,33 +47,34 @@ impl MediumBehind {
     }
 }
 
-/// The values of a row, before the medium in front of it is known.
+/// The values of a row. The medium in front of the row is not known yet.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SurfaceRow {
-    /// Signed radius in mm; infinite for a plane.
+    /// Signed radius, mm; infinite for a plane.
     pub radius: f64,
     pub role: Role,
     pub thickness: f64,
     pub behind: MediumBehind,
     pub diameter: f64,
-    /// The figure, if the row has more than a radius; its radius is that of the row.
+    /// The aspheric figure, if the row has more than a radius. The radius of the figure is that of the row.
     pub asphere: Option<Asphere>,
 }
 
-/// A function that makes an error at a row, from the row's number, counted from 0, and the fault.
+/// A function that returns the error for a row's number, counted from 0, and the fault in that row.
 pub(super) type AtRow<'a> = &'a dyn Fn(usize, &str) -> LensFileError;
 
-/// Indices from here to 1 are those of vacuum relative to air, 0.9997. Indices as close to 1 from above are hardly
-/// those of a glass.
+/// Indices from this value up to 1 are read as the index of vacuum relative to air, 0.9997. An index as close to 1 from
+/// above is hardly that of a glass.
 const NEARLY_AIR: f64 = 0.999;
-/// Range of V-numbers of glasses, crystals and plastics: ZnSe has 8, CaF2 95; the rest is a margin for rounding.
+/// Range of V-numbers of glasses, crystals and plastics. ZnSe has 8 and CaF2 has 95; the rest of the range is a margin
+/// for rounding.
 const V_NUMBERS: [f64; 2] = [5.0, 200.0];
 
-/// Makes the interfaces of a lens from its rows, scene side first. Warnings about rows that are not used as written go
+/// Builds the interfaces of a lens from its rows, scene side first. Warnings about rows that are not used as written go
 /// to `ledger`.
 ///
 /// # Errors
-/// The first row that cannot be an interface of a lens in air.
+/// A row cannot be an interface of a lens in air. The error is about the first such row.
 pub(super) fn interfaces(
     rows: &[SurfaceRow],
     at: AtRow<'_>,
@@ -99,7 +100,7 @@ pub(super) fn interfaces(
         let MediumBehind { medium, glass } = checked(row.behind, |reason| replaced(number, "index", reason));
         let in_air = in_front == Medium::Air && medium == Medium::Air;
         let mut semi_diameter = row.diameter / 2.0;
-        // Half of the smallest number is 0, and twice the largest is infinite.
+        // Half of the smallest positive number is 0, and twice the largest is infinite.
         if !(semi_diameter > 0.0 && semi_diameter.is_finite()) {
             let diameter = short(row.diameter);
             return Err(at(number, &format!("clear diameter {diameter} mm: expected a positive number")));
@@ -155,11 +156,12 @@ pub(super) fn interfaces(
     Ok(interfaces)
 }
 
-/// Checks that vertices are in order. Planes that only limit rays are exempt and may lie anywhere between the surfaces
-/// around them: a stop within its neighbour's sagitta is common, and tracing decides whether rays meet it.
+/// Checks that the vertices are in order. Planes that only limit rays are exempt and may lie anywhere between the
+/// surfaces around them. A stop within its neighbour's sagitta is common, and tracing decides whether rays meet the
+/// stop.
 ///
 /// # Errors
-/// The first row that lies in front of the one before it.
+/// A row lies in front of the row before it. The error is about the first such row.
 pub(super) fn in_order(interfaces: &[Interface], at: AtRow<'_>) -> Result<(), LensFileError> {
     let wrong = |number: usize| {
         let thickness = short(interfaces[number].thickness);
@@ -180,10 +182,10 @@ pub(super) fn in_order(interfaces: &[Interface], at: AtRow<'_>) -> Result<(), Le
     if is_negative(&last) { Err(wrong(last)) } else { Ok(()) }
 }
 
-/// Checks [`in_order`] at each of the positions.
+/// Checks at each of the positions that the vertices are in order, as [`in_order`] does.
 ///
 /// # Errors
-/// The error of [`in_order`], with its position.
+/// Returns the error of [`in_order`], together with the position at which it occurs.
 pub(super) fn positions_in_order(
     interfaces: &[Interface],
     positions: Option<&Positions>,
@@ -200,7 +202,7 @@ pub(super) fn positions_in_order(
     Ok(())
 }
 
-/// Returns the medium behind a surface, and passes sentences about its unusual numbers to `remark`.
+/// Returns the medium behind a surface, and passes one sentence about each unusual number of that medium to `remark`.
 fn checked(behind: MediumBehind, mut remark: impl FnMut(String)) -> MediumBehind {
     let Medium::Glass { n_d, abbe } = behind.medium else { return behind };
     if n_d < 1.0 {
@@ -217,7 +219,7 @@ fn checked(behind: MediumBehind, mut remark: impl FnMut(String)) -> MediumBehind
     behind
 }
 
-/// Returns the index of a medium that a file gives by a number: `None` for air, written 0 or 1.
+/// Returns the index of a medium that a file states as a number; `None` for air, written 0 or 1.
 ///
 /// # Errors
 /// No medium of a lens has this index; the text states the allowed indices.
@@ -229,12 +231,13 @@ pub(super) fn index(number: f64) -> Result<Option<f64>, &'static str> {
     }
 }
 
-/// Whether a figure is a pure conic, without terms.
+/// Returns whether a figure is a pure conic, without terms.
 fn is_conic_alone(asphere: &Asphere) -> bool {
     asphere.terms.iter().all(|term| *term == 0.0)
 }
 
-/// Returns the warning that a clear diameter, perhaps that of the mount, is larger than the whole surface.
+/// Returns the warning that a clear diameter is larger than the whole surface. Such a diameter may be that of the
+/// mount.
 fn too_wide(row: &SurfaceRow, conic: f64, widest: f64) -> String {
     let [diameter, radius, used] = [row.diameter, row.radius, 2.0 * widest].map(short);
     if conic == 0.0 {

@@ -1,4 +1,4 @@
-//! Text from bytes: the encodings of lens files, and the locations of words in a file.
+//! Text decoded from bytes: the encodings of lens files, and the locations of words in a file.
 
 use std::{borrow::Cow, fmt};
 
@@ -12,7 +12,7 @@ pub(super) struct Location {
     pub column: usize,
 }
 
-/// Decodes bytes to UTF-8 according to their byte-order mark; without one they stay as they are.
+/// Decodes bytes to UTF-8 according to their byte-order mark. Bytes without a byte-order mark stay as they are.
 pub(super) fn decoded(bytes: &[u8]) -> Cow<'_, [u8]> {
     let utf16 = |bytes: &[u8], unit: fn([u8; 2]) -> u16| {
         let units: Vec<u16> = bytes.chunks_exact(2).map(|pair| unit([pair[0], pair[1]])).collect();
@@ -26,22 +26,22 @@ pub(super) fn decoded(bytes: &[u8]) -> Cow<'_, [u8]> {
     }
 }
 
-/// Returns [`decoded`] bytes as text; bytes that are not UTF-8 are read as Latin-1.
+/// Returns [`decoded`] bytes as text. If the bytes are not UTF-8, they are read as Latin-1.
 pub(super) fn as_str(bytes: &[u8]) -> Cow<'_, str> {
     std::str::from_utf8(bytes)
         .map_or_else(|_| Cow::Owned(bytes.iter().map(|&byte| char::from(byte)).collect()), Cow::Borrowed)
 }
 
-/// The lines of a text, for the formats other than the table.
+/// The lines of a text, for all formats other than the table.
 #[derive(Debug)]
 pub(super) struct Text<'a> {
-    /// The file as the caller names it.
+    /// The name of the file as the caller knows it.
     pub file: &'a str,
     text: Cow<'a, str>,
 }
 
 impl<'a> Text<'a> {
-    /// Makes the text of [`decoded`] bytes.
+    /// Builds the text from [`decoded`] bytes.
     pub(super) fn new(file: &'a str, bytes: &'a [u8]) -> Self {
         Self { file, text: as_str(bytes) }
     }
@@ -57,7 +57,7 @@ impl<'a> Text<'a> {
         LensFileError { file: self.file.to_owned(), line, column, message: message.into() }
     }
 
-    /// Returns the finite number of a cell, or an error with what was expected there.
+    /// Returns the finite number in a cell, or an error that states what was expected in the cell.
     pub(super) fn number(&self, cell: &Cell<'_>, expected: &str) -> Result<f64, LensFileError> {
         cell.number().ok_or_else(|| self.error(cell.location, no_number(cell.text, expected)))
     }
@@ -70,7 +70,7 @@ pub(super) struct Cell<'a> {
     pub location: Location,
 }
 
-/// Writes the text as shown in messages.
+/// Writes the text as messages show it.
 impl fmt::Display for Cell<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&cut(self.text))
@@ -78,24 +78,24 @@ impl fmt::Display for Cell<'_> {
 }
 
 impl Cell<'_> {
-    /// Whether the cell is this word, ignoring case.
+    /// Returns whether the cell is this word, in any case.
     pub(super) fn is(&self, word: &str) -> bool {
         self.text.eq_ignore_ascii_case(word)
     }
 
-    /// Whether the cell is infinity.
+    /// Returns whether the cell means infinity.
     pub(super) fn is_infinite(&self) -> bool {
         let unsigned = self.text.trim_start_matches(['+', '-']);
         ["inf", "infinity"].iter().any(|known| unsigned.eq_ignore_ascii_case(known))
     }
 
-    /// Returns the cell's finite number, if it is one.
+    /// Returns the number in the cell, if the cell is a finite number.
     pub(super) fn number(&self) -> Option<f64> {
         self.text.parse().ok().filter(|number: &f64| number.is_finite())
     }
 }
 
-/// Returns a message about a word that is not a number, with what was expected.
+/// Returns a message that a word is not a number, and that states what was expected.
 pub(super) fn no_number(word: &str, expected: &str) -> String {
     let hyphened = word.replace(['\u{2212}', '\u{2013}'], "-");
     let pointed = word.replacen(',', ".", 1);
@@ -111,7 +111,7 @@ pub(super) fn no_number(word: &str, expected: &str) -> String {
     }
 }
 
-/// Splits a line into cells at separators; between two adjacent separators is an empty cell.
+/// Splits a line into cells at separators. Two adjacent separators have an empty cell between them.
 pub(super) fn cells(line: usize, text: &str, is_separator: fn(char) -> bool) -> Vec<Cell<'_>> {
     let cell = |part: &'_ str| {
         let own = part.trim();

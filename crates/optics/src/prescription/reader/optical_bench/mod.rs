@@ -1,9 +1,9 @@
-//! Optical Bench text, the usual format of photographic lenses from patents: tab-separated cells in sections
-//! (`[lens data]`, `[variable distances]`, `[aspherical data]`, …), lengths in mm, clear *diameters*.
+//! Optical Bench text, the usual format for photographic lenses from patents. The text has tab-separated cells in
+//! sections (`[lens data]`, `[variable distances]`, `[aspherical data]`, …), lengths in mm, and clear *diameters*.
 //!
 //! `sections` splits the text and reads the variables, which have one column for each position of the lens. This module
-//! reads the surfaces and their figures: `[aspherical data]` has id, radius, conic constant, A4, A6, …; `[constants]`
-//! can add A2 or odd terms to them.
+//! reads the surfaces and their figures. `[aspherical data]` has id, radius, conic constant, A4, A6, …; `[constants]`
+//! can add A2 or odd terms.
 //!
 //! The format is that of the program *Optical Bench* by W. J. Claff (photonstophotos.net).
 
@@ -71,8 +71,8 @@ pub(super) fn read(
     })
 }
 
-/// Reads a row of `[lens data]`: id, radius, thickness, n_d, clear diameter, V, glass. The thickness, which may be the
-/// name of a variable, is returned separately; the surface has 0.
+/// Reads a row of `[lens data]`: id, radius, thickness, n_d, clear diameter, V, glass. The thickness may be the name of
+/// a variable. Its cell is therefore returned separately, and the surface has a thickness of 0.
 fn surface<'t>(
     text: &Text<'_>,
     row: &BenchRow<'t>,
@@ -129,7 +129,8 @@ fn role(radius: &Cell<'_>) -> Role {
     }
 }
 
-/// Returns a glass's name without collectors' additions: a remark, or a question mark for a doubt.
+/// Returns the name of a glass without additions by collectors, such as a remark, or a question mark that expresses
+/// doubt.
 fn name(cell: &str) -> &str {
     cell.split_whitespace().next().unwrap_or("").trim_end_matches('?')
 }
@@ -137,11 +138,11 @@ fn name(cell: &str) -> &str {
 #[cfg(test)]
 mod tests;
 
-/// Gives the surfaces their figures.
+/// Assigns the aspheric figures to the surfaces.
 ///
 /// # Errors
-/// A figure of an unknown surface, a second figure of a surface, a cell that is not a number, a term beyond the last
-/// power, or a constant that cannot be honoured. Unknown constants only cause a warning.
+/// A figure belongs to an unknown surface, or is the second figure of a surface; a cell is not a number; a term is
+/// beyond the last power; or a constant cannot be honoured. Unknown constants only cause a warning.
 fn apply_figures(
     text: &Text<'_>,
     sections: &Sections<'_>,
@@ -160,7 +161,7 @@ fn apply_figures(
         }
         let mut numbers = Vec::new();
         for cell in row.values().iter().skip(1) {
-            // An empty cell is 0.
+            // An empty cell means 0.
             let is_empty = cell.text.is_empty();
             numbers.push(if is_empty { 0.0 } else { text.number(cell, "a constant of an asphere")? });
         }
@@ -190,8 +191,8 @@ fn apply_figures(
     Ok(())
 }
 
-/// Returns the powers of r of the coefficients, in order: the even powers from 4; with `AsphericalA2` those from 2;
-/// with `AsphericalOddCount n` also the first n odd powers from 3.
+/// Returns the powers of r that the coefficients belong to, in order. These are the even powers from 4 on, or from 2 on
+/// with `AsphericalA2`. `AsphericalOddCount n` adds the first n odd powers from 3 on.
 fn powers(
     text: &Text<'_>,
     sections: &Sections<'_>,
@@ -215,7 +216,7 @@ fn powers(
                 text.error(key.location, "a lens with its object in glass; its front must stand in air")
             );
         } else if !is("Scaled") {
-            // The numbers of a scaled lens are already scaled.
+            // The numbers in a file for a scaled lens are already scaled.
             let message = format!("the constant \"{key}\" is not known and not used");
             ledger.warn(Fate::LeftOut, key.location, "constant", None, message);
         }

@@ -1,7 +1,7 @@
-//! The text's sections: lines of cells under headings in brackets. `[variable distances]` has a line per variable and a
-//! column per position of the lens, zoomed or focused. Thicknesses refer to variables by name. Some variables have a
-//! fixed meaning: `Focal Length`, `F-Number`, `Angle of View`, `Aperture Diameter`, and the object distance, `d0` from
-//! the first vertex or `S` from the film.
+//! The sections of the text: lines of cells under headings in brackets. `[variable distances]` has a line for each
+//! variable, and a column for each position of the lens as it zooms or focuses. Thicknesses refer to variables by name.
+//! Some variables have a fixed meaning: `Focal Length`, `F-Number`, `Angle of View`, `Aperture Diameter`, and the
+//! object distance, which is `d0` if counted from the first vertex and `S` if counted from the film.
 
 use crate::prescription::{
     Fate, LensFileError, MAX_INTERFACES, MAX_POSITIONS,
@@ -30,26 +30,27 @@ pub(super) struct BenchRow<'t> {
 }
 
 impl<'t> BenchRow<'t> {
-    /// Returns a cell, counted from 0; beyond the last one, an empty cell at the line's end.
+    /// Returns the cell of a given number, counted from 0. Beyond the last cell, the result is an empty cell at the end
+    /// of the line.
     pub(super) fn cell(&self, cell: usize) -> Cell<'t> {
         let last = self.cells.last().expect("a line has cells");
         let end = Location { column: last.location.column + last.text.len(), ..last.location };
         self.cells.get(cell).copied().unwrap_or(Cell { text: "", location: end })
     }
 
-    /// Whether the line has only one cell, without separators.
+    /// Returns whether the line has only one cell, without separators.
     pub(super) fn is_one_cell(&self) -> bool {
         self.cells.len() == 1
     }
 
-    /// Returns the cells from the second to the last non-empty one.
+    /// Returns the cells from the second cell to the last cell that is not empty.
     pub(super) fn values(&self) -> &[Cell<'t>] {
         let end = self.cells.iter().rposition(|cell| !cell.text.is_empty()).map_or(1, |last| last + 1);
         &self.cells[1..end.max(1)]
     }
 }
 
-/// The sections that describe the lens; others are for readers and for drawing programs.
+/// The sections that describe the lens. Other sections are for human readers and for drawing programs.
 #[derive(Debug)]
 pub(super) struct Sections<'t> {
     pub title: Option<String>,
@@ -57,7 +58,7 @@ pub(super) struct Sections<'t> {
     pub variables: Vec<BenchRow<'t>>,
     pub lens: Vec<BenchRow<'t>>,
     pub aspheres: Vec<BenchRow<'t>>,
-    /// The text's last line.
+    /// The last line of the text.
     pub end: Location,
 }
 
@@ -136,14 +137,15 @@ impl<'t> Sections<'t> {
         exact.or_else(|| self.variables.iter().find(|row| row.cell(0).is(name)))
     }
 
-    /// Returns a stated value at a position, if positive.
+    /// Returns the value that a variable states at a position, if the value is positive.
     fn stated(&self, name: &str, column: usize) -> Option<f64> {
         let row = self.variable(name)?;
         row.cell(column + 1).number().filter(|number| *number > 0.0)
     }
 
-    /// Sets each surface's thickness at the first position, from its cell, and the stop's diameter there. Returns what
-    /// the variables state about the lens: its positions, its focal length and other facts.
+    /// Sets each surface's thickness at the first position from the surface's cell, and the stop's diameter at that
+    /// position. Returns the facts that the variables state about the lens: its positions, its focal length and other
+    /// facts.
     pub(super) fn resolve(
         &self,
         text: &Text<'_>,
@@ -230,7 +232,7 @@ impl<'t> Sections<'t> {
     }
 }
 
-/// Returns the columns in which every gap has a number. Warnings about the others go to `ledger`.
+/// Returns the columns in which every gap has a number. Warnings about the other columns go to `ledger`.
 fn columns(
     text: &Text<'_>,
     gaps: &[(usize, &[Cell<'_>])],

@@ -1,11 +1,12 @@
-//! Reading of a whole lens, and every refusal with the message that its user reads.
+//! Tests that read a whole lens, and tests of every refusal with the message that the user reads.
 
 use crate::prescription::{
     Medium, Shape,
     reader::checks::{FILE, ok, refused},
 };
 
-/// A made-up zoom: a thickness per position, a flare stop, a cover glass, an asphere, and parts to skip.
+/// A made-up zoom with a thickness that varies with the position, a flare stop, a cover glass, an asphere, and parts to
+/// be skipped.
 const ZOOM: &str = "[descriptive data]\ntitle\tA made-up zoom\n[constants]\nScaled\t50\t100\n[variable distances]\n\
     Focal Length\t28.0\t50.0\tundefined\nF-Number\t2.8\t4\tundefined\nAngle of View\t75.2\t46.4\t\nd0\tInfinity\tInfinity\t700\n\
     d3\t3.0\t9.0\t4\nBf\t40.0\t35.0\t\nAperture Diameter\t6.2\t6.8\t6.8\n\
@@ -28,7 +29,7 @@ fn every_section_that_describes_the_lens_is_read() {
     assert_eq!(shapes[2..4], [Shape::Plane, Shape::Plane]);
     assert_eq!(lens.stop_in_air(), Some(3));
     assert_eq!(shapes[6..], [Shape::Plane, Shape::Plane]);
-    // The column is a clear diameter; the stop has that of the first position.
+    // The column has clear diameters; the stop has the diameter of the first position.
     assert_eq!((lens.interfaces[0].semi_diameter, lens.interfaces[3].semi_diameter), (5.0, 3.1));
     assert!(matches!(lens.interfaces[0].medium, Medium::Sellmeier { .. }));
     assert_eq!(lens.interfaces[4].medium, Medium::Glass { n_d: 1.6, abbe: Some(40.0) });
@@ -65,7 +66,7 @@ fn an_object_at_a_finite_distance_makes_a_position() {
         .replace("\t9.0\t4\n", "\n"));
     let positions = near.positions.expect("one");
     assert_eq!((positions.columns.len(), positions.columns[0].object_distance), (1, Some(500.0)));
-    // S is measured from the film, which is 5 + 1 + 3 + 1 + 2 + 1 + 1.5 + 40 mm behind the first vertex.
+    // S is counted from the film, which is 5 + 1 + 3 + 1 + 2 + 1 + 1.5 + 40 mm behind the first vertex.
     let from_film = ok(&ZOOM.replace("d0\tInfinity", "S\t500"));
     assert_eq!(from_film.positions.expect("two").columns[0].object_distance, Some(500.0 - 54.5));
 }
@@ -80,7 +81,7 @@ fn constants_select_the_powers_of_the_terms() {
     };
     assert_eq!(powers("Scaled 50 100"), [4, 6, 8, 10, 12, 14]);
     assert_eq!(powers("AsphericalA2"), [2, 4, 6, 8, 10, 12]);
-    // US patent 7,663,816, table 1: A3 A4 A6 A8 with one odd term.
+    // US patent 7,663,816, table 1, has A3, A4, A6 and A8: one odd term.
     assert_eq!(powers("AsphericalOddCount\t1"), [3, 4, 6, 8, 10, 12]);
     assert_eq!(powers("AsphericalOddCount\t2"), [3, 4, 5, 6, 8, 10]);
     assert_eq!(powers("AsphericalOddCount\t0"), [4, 6, 8, 10, 12, 14]);

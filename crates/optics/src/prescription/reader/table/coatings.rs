@@ -13,20 +13,20 @@ use realistic_base::message::{as_given, nearest_or_all};
 const FORM: &str = "a coating is: coating ROW NAME at=NM, or coating ROW stack INDEX NM … with the layers from the air on (ROW all \
      for every row between air and glass without a line of its own; 550 nm where at=NM is left out)";
 
-/// The word that means all rows, instead of a row's number.
+/// The word that stands for all rows, in place of a row's number.
 const ALL: &str = "all";
 
-/// Maximum number of layers of a stack, and their maximum total thickness, nm: the tables of a coated surface grow with
-/// its thickness.
+/// Maximum number of layers of a stack, and maximum total thickness of the layers, nm. The tables of a coated surface
+/// grow with the thickness of its coating.
 const MOST_LAYERS: usize = 50;
 const THICKEST: f64 = 5_000.0;
-/// The largest index of a layer; the smallest is 1.
+/// The largest allowed index of a layer; the smallest is 1.
 const DENSEST: f64 = 10.0;
 
-/// A line: the word for its rows, and their coating.
+/// A coating line: the word that states its rows, and the coating of these rows.
 pub(super) type CoatingLine<'t> = (Cell<'t>, SurfaceCoating);
 
-/// Takes the lines of coatings out of the others.
+/// Takes the coating lines out of `lines`.
 pub(super) fn take<'t>(lines: &mut Lines<'t>) -> Result<Vec<CoatingLine<'t>>, LensFileError> {
     let taken = lines.take(&["coating"]);
     lines.at_most(&taken, MAX_INTERFACES, "a lens has at most as many coatings as interfaces")?;
@@ -103,7 +103,7 @@ fn stack(lines: &Lines<'_>, name: &Cell<'_>, values: &[Cell<'_>]) -> Result<Surf
     Ok(SurfaceCoating::Stack(layers))
 }
 
-/// Returns the coatings of the surfaces, if the file has any; surfaces that it leaves out are bare.
+/// Returns the coatings of the surfaces, if the file has any. Surfaces for which the file gives no coating are bare.
 pub(super) fn of_surfaces(
     lines: &Lines<'_>,
     found: &[CoatingLine<'_>],

@@ -1,6 +1,6 @@
-//! Lines with a value for each position of the moving groups: `positions NAME …`, `gap ROW …`, `film …`,
-//! `stopdiameter …`, `focal …`, `fnumber …`, `object …`, `field …`. A lens without positions states its own facts on
-//! the same lines, and the `year`.
+//! Lines with a value for each position of the moving groups: `positions NAME …`, `gap ROW …`, `film …`, `stopdiameter
+//! …`, `focal …`, `fnumber …`, `object …`, `field …`. A lens without positions states its facts on the same lines. The
+//! line `year` states the year of the design.
 
 use super::lines::{Line, Lines};
 use crate::prescription::{
@@ -13,22 +13,22 @@ use crate::prescription::{
     },
 };
 
-/// The first words of these lines.
+/// The first words of the lines that this module reads.
 pub(super) const KEYWORDS: [&str; 9] =
     ["positions", "gap", "film", "stopdiameter", "focal", "fnumber", "object", "field", "year"];
 
 const GAP: &str = "a gap that moves is: gap ROW and the thickness behind that row in mm at each position";
 
-/// The lines, sorted by kind.
+/// The lines that this module reads, sorted by kind.
 #[derive(Debug, Default)]
 pub(super) struct TableColumns<'t> {
-    /// The lines other than gaps, one of each kind.
+    /// All lines except those of gaps, one line of each kind.
     single: Vec<Line<'t>>,
     gaps: Vec<Line<'t>>,
 }
 
 impl<'t> TableColumns<'t> {
-    /// Takes these lines out of the others.
+    /// Takes the lines that this module reads out of `lines`.
     pub(super) fn take(lines: &mut Lines<'t>) -> Result<Self, LensFileError> {
         let mut columns = Self::default();
         for line in lines.take(&KEYWORDS) {
@@ -52,9 +52,9 @@ impl<'t> TableColumns<'t> {
         self.single.iter().find(|line| line[0].is(keyword))
     }
 
-    /// Reads the lines for a lens of these rows: its positions, if it has any, and the facts that it states.
-    /// `focal_length` holds the value that stands alone on the first line, if there is one, and is set to the stated
-    /// one.
+    /// Reads the lines for a lens with these rows. Returns the positions of the lens, if it has any, and the facts that
+    /// the file states. On entry, `focal_length` holds the value that stands alone on the first line, if there is one;
+    /// it is then set to the stated focal length.
     pub(super) fn read(
         &self,
         lines: &Lines<'_>,
@@ -125,7 +125,7 @@ impl<'t> TableColumns<'t> {
         Ok((Some(positions), stated))
     }
 
-    /// Reads the positions with their names.
+    /// Reads the names of the positions, and returns the named positions.
     fn positions(&self, lines: &Lines<'_>, line: &[Cell<'_>]) -> Result<Vec<Position>, LensFileError> {
         let names = &line[1..];
         if let Some(beyond) = names.get(MAX_POSITIONS) {
@@ -149,7 +149,7 @@ impl<'t> TableColumns<'t> {
         Ok(positions)
     }
 
-    /// Reads the gaps into the positions; `film` is the gap behind the last row.
+    /// Reads the gaps into the positions. The line `film` states the gap behind the last row.
     fn gaps(
         &self,
         lines: &Lines<'_>,
@@ -178,7 +178,7 @@ impl<'t> TableColumns<'t> {
         Ok(())
     }
 
-    /// Checks that the table has the first position's value.
+    /// Checks that the table has the same value as the first position.
     fn same(
         &self,
         lines: &Lines<'_>,
@@ -199,7 +199,7 @@ impl<'t> TableColumns<'t> {
         Err(lines.error(word, &message))
     }
 
-    /// Reads the values of a line, one per position, if there is such a line.
+    /// Reads the values of a line, one for each position, if the file has such a line.
     fn values(
         &self,
         lines: &Lines<'_>,
@@ -255,7 +255,7 @@ fn no_positions(lines: &Lines<'_>, line: &[Cell<'_>]) -> LensFileError {
     lines.error(keyword, &message)
 }
 
-/// Reads a positive number, or `-` for a value that is not stated.
+/// Reads a positive number, or `-` for a value that the file does not state.
 fn positive(lines: &Lines<'_>, word: &Cell<'_>, what: &str) -> Result<Option<f64>, LensFileError> {
     if word.text == "-" {
         return Ok(None);
@@ -280,7 +280,7 @@ fn field(lines: &Lines<'_>, word: &Cell<'_>) -> Result<Option<f64>, LensFileErro
     Ok(degrees)
 }
 
-/// Reads `inf`, or the distance in mm from the object to the first vertex.
+/// Reads the distance in mm from the object to the first vertex, or `inf`.
 fn object(lines: &Lines<'_>, word: &Cell<'_>) -> Result<Option<f64>, LensFileError> {
     if word.is("inf") || word.is("infinity") {
         return Ok(None);

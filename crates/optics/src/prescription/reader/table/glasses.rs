@@ -1,7 +1,7 @@
-//! Named glasses. A line `glass NAME sellmeier B1=… C1=… B2=… C2=… B3=… C3=…` defines one, with the constants in any
-//! order, C in µm². Other formulas of [`Formula`] are possible, and so is a range `from=… to=…` in µm. Each constant
-//! bears its name, so that a data sheet's order cannot be mistaken. A row of the table then has the name instead of the
-//! refractive index; glasses of the library need no definition.
+//! Named glasses. A line `glass NAME sellmeier B1=… C1=… B2=… C2=… B3=… C3=…` defines a glass, with the constants in
+//! any order and C in µm². The other formulas of [`Formula`] are possible too, and so is a range `from=… to=…` in µm.
+//! Each constant is written with its name, so that the order in a data sheet cannot be mistaken. A row of the table
+//! then has the name of the glass instead of the refractive index. Glasses of the library need no definition.
 //!
 //! Lines `absorption NAME NM PER_MM …` state the absorption of a glass that rows name.
 
@@ -24,7 +24,8 @@ const FORM: &str = "a glass is defined by: glass NAME sellmeier B1=… C1=… B2
 const ABSORPTION: &str = "what a glass absorbs is: absorption NAME NM PER_MM … with wavelengths in rising order, nm, and the \
      absorption coefficient at each, 1/mm (NAME as the rows have it)";
 
-/// Maximum number of lines `absorption` in a file: they increase the work of a camera with several wavelengths.
+/// Maximum number of lines `absorption` in a file, because such lines increase the work of a camera with several
+/// wavelengths.
 const MOST_ABSORPTIONS: usize = 100;
 
 /// Keywords for the ends of the range of a formula, µm.
@@ -33,16 +34,16 @@ const RANGE: [&str; 2] = ["from", "to"];
 /// The glasses that a file can name.
 #[derive(Debug)]
 pub(super) struct Glasses<'a> {
-    /// The glasses that it defines.
+    /// The glasses that the file defines.
     defined: Vec<(String, Glass)>,
-    /// The absorption that the file states for glasses, by name.
+    /// The absorption that the file states for glasses, with the names of the glasses.
     absorbing: Vec<(Cell<'a>, Arc<InternalTransmittance>)>,
     library: &'a GlassLibrary,
     used: RefCell<Vec<(String, Glass)>>,
 }
 
 impl<'a> Glasses<'a> {
-    /// Takes the lines that define a glass, or state its absorption, out of the others.
+    /// Takes the lines that define a glass or state the absorption of a glass out of `lines`.
     pub(super) fn take(lines: &mut Lines<'a>, library: &'a GlassLibrary) -> Result<Self, LensFileError> {
         let definitions = lines.take(&["glass"]);
         let absorptions = lines.take(&["absorption"]);
@@ -72,7 +73,7 @@ impl<'a> Glasses<'a> {
         Ok(glasses)
     }
 
-    /// Returns the medium of a name in the index column; `None` if the word is to be read as a number.
+    /// Returns the medium that a name in the index column stands for; `None` if the word is to be read as a number.
     pub(super) fn find(
         &self,
         lines: &Lines<'_>,
@@ -89,7 +90,7 @@ impl<'a> Glasses<'a> {
             let unusable = |why: String| lines.error(word, &format!("glass \"{word}\": {why}"));
             return found.map(|glass| Some(self.use_as(word, glass))).map_err(unusable);
         }
-        // A six-digit code is also a number, larger than any index.
+        // A six-digit code is also a number, but larger than any index.
         match by_word(word.text) {
             Some(Medium::Air) => return Ok(Some(Medium::Air.into())),
             Some(medium) => return Ok(Some(self.use_as(word, Glass::new(medium, None)))),
@@ -171,7 +172,7 @@ impl<'a> Glasses<'a> {
     }
 }
 
-/// Reads a line `absorption`: the glass's name and its absorption.
+/// Reads a line `absorption`: the name of a glass and its absorption.
 fn absorption<'t>(
     lines: &Lines<'_>,
     line: &[Cell<'t>],
@@ -217,10 +218,10 @@ fn constants_of(formula: &str) -> Option<Vec<String>> {
     }
 }
 
-/// Returns the medium of a formula and its constants, in the order of [`constants_of`].
+/// Returns the medium that a formula gives with these constants, which are in the order of [`constants_of`].
 ///
 /// # Errors
-/// Constants are missing: how many are required.
+/// Constants are missing; the error is the number of constants that the formula requires, as a word.
 fn medium(formula: &str, constants: &[Option<f64>]) -> Result<Medium, &'static str> {
     let every = |missing| constants.iter().copied().collect::<Option<Vec<f64>>>().ok_or(missing);
     let or = |index: usize, default: f64| constants[index].unwrap_or(default);
@@ -231,7 +232,7 @@ fn medium(formula: &str, constants: &[Option<f64>]) -> Result<Medium, &'static s
             };
             return Ok(Medium::Sellmeier { b: [b1, b2, b3], c: [c1, c2, c3] });
         }
-        // With more than the constants of three terms, any may be left out.
+        // If a constant beyond those of three terms is given, any constant may be left out.
         "sellmeier" => Formula::Sellmeier {
             rest: [or(10, 1.0), or(11, 0.0)],
             b: [0, 1, 2, 6, 7].map(|index| or(index, 0.0)),
@@ -252,7 +253,7 @@ fn check_length(lines: &Lines<'_>, name: &Cell<'_>) -> Result<(), LensFileError>
     Err(lines.error(name, &message))
 }
 
-/// Whether a word can be a glass's name: it begins with a letter and is not `stop`.
+/// Returns whether a word can be the name of a glass: it begins with a letter and is not `stop`.
 fn is_name(text: &str) -> bool {
     text.starts_with(|first: char| first.is_ascii_alphabetic()) && !text.eq_ignore_ascii_case("stop")
 }
@@ -293,7 +294,7 @@ mod tests {
         assert_eq!(glass.range, Some([300.0, 2500.0]));
         let own = ok(&format!("{}{}", BK7.replace("1.0396", "1.0397"), rows.to_uppercase()));
         assert_ne!(own.interfaces[0].medium, built_in.interfaces[0].medium);
-        // A name that begins with a digit is possible if the library has it.
+        // A name may begin with a digit if the library has it.
         assert!(ok("20 5 480R 10\n-20 30 1 10").is_dispersive());
     }
 

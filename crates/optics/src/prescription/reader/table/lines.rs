@@ -1,4 +1,4 @@
-//! Lines of words with their locations, from which a table is read.
+//! Lines of words with their locations. A table is read from these lines.
 
 use crate::prescription::{
     LensFileError,
@@ -6,7 +6,7 @@ use crate::prescription::{
 };
 use realistic_base::message::cut;
 
-/// The values of a line, at least one.
+/// The values of a line, of which there is at least one.
 pub(super) type Line<'t> = Vec<Cell<'t>>;
 
 /// The lines of a file that have values.
@@ -14,18 +14,18 @@ pub(super) type Line<'t> = Vec<Cell<'t>>;
 pub(super) struct Lines<'t> {
     file: &'t str,
     pub lines: Vec<Line<'t>>,
-    /// The text of the first non-empty comment.
+    /// The text of the first comment that is not empty.
     pub title: Option<String>,
     /// The number of lines of the file, including those without values.
     count: usize,
     /// The first line whose commas are probably decimal commas.
     decimal_comma: Option<usize>,
-    /// The comment that heads the last column as radii: its line, and the heading.
+    /// The comment that labels the last column as radii: the number of its line, and the label.
     radii: Option<(usize, String)>,
 }
 
 impl<'t> Lines<'t> {
-    /// Splits decoded bytes into lines; comments may be in any encoding.
+    /// Splits decoded bytes into lines. Comments may be in any encoding.
     pub(super) fn split(file: &'t str, bytes: &'t [u8]) -> Result<Self, LensFileError> {
         let mut all =
             Self { file, lines: Vec::new(), title: None, count: 0, decimal_comma: None, radii: None };
@@ -95,7 +95,7 @@ impl<'t> Lines<'t> {
         }
     }
 
-    /// Returns the finite number that a word spells.
+    /// Returns the finite number that a word states.
     pub(super) fn number(&self, word: &Cell<'_>, expected: &str) -> Result<f64, LensFileError> {
         let number = word.text.parse().map_err(|_| self.error(word, &no_number(word.text, expected)))?;
         if f64::is_finite(number) {
@@ -105,7 +105,7 @@ impl<'t> Lines<'t> {
         }
     }
 
-    /// Returns the only one of `lines`, if there is one. `problem` continues the error message "a second line".
+    /// Returns the only line in `lines`, if there is one. `problem` continues the error message "a second line".
     pub(super) fn at_most_one<'a>(
         &self,
         lines: &'a [Line<'t>],
@@ -117,7 +117,8 @@ impl<'t> Lines<'t> {
         }
     }
 
-    /// Returns the row, counted from 0, that a word names, out of `rows`; `form` describes the line in messages.
+    /// Returns the row, counted from 0, that a word states as a row's number. `rows` is the number of rows; `form`
+    /// describes the line in messages.
     pub(super) fn row_number(
         &self,
         word: &Cell<'_>,
@@ -133,8 +134,8 @@ impl<'t> Lines<'t> {
         })
     }
 
-    /// Returns the remark that the last column is read as radii, with its location; `None` if no comment heads the
-    /// column as radii.
+    /// Returns the remark that the last column is read as radii, and the location of the remark; `None` if no comment
+    /// labels that column as radii.
     pub(super) fn radius_column_remark(&self) -> Option<(Location, String)> {
         let (line, heading) = self.radii.as_ref()?;
         let message = format!(
@@ -156,7 +157,7 @@ impl<'t> Lines<'t> {
         self.error_at(word.location.line, word.location.column, message)
     }
 
-    /// Takes out the lines that begin with one of these words, ignoring case.
+    /// Takes out the lines that begin with one of these words, in any case.
     pub(super) fn take(&mut self, keywords: &[&str]) -> Vec<Line<'t>> {
         self.take_where(|line| keywords.iter().any(|keyword| line[0].is(keyword)))
     }
@@ -168,7 +169,7 @@ impl<'t> Lines<'t> {
         taken
     }
 
-    /// Returns the index in `names` and the value of a constant such as `B1=1.04`.
+    /// Returns the index in `names` of a constant such as `B1=1.04`, and the value of that constant.
     pub(super) fn constant(
         &self,
         word: &Cell<'_>,
@@ -186,8 +187,8 @@ impl<'t> Lines<'t> {
         Ok((index, self.number(&value, &format!("a constant such as {expected}"))?))
     }
 
-    /// Returns the values of constants such as `B1=1.04`, in the order of `names`; `None` where none is given. `form`
-    /// describes the line in messages, and `example` is one of its constants.
+    /// Returns the values of constants such as `B1=1.04`, in the order of `names`; `None` for a constant that is not
+    /// given. `form` describes the line in messages, and `example` is one of the constants of the line.
     pub(super) fn constants(
         &self,
         words: &[Cell<'_>],
@@ -218,8 +219,9 @@ impl<'t> Lines<'t> {
     }
 }
 
-/// Returns the heading of the last column if a comment heads the columns, the first as radii of curvature and the last
-/// as half of a clear aperture: `radius thickness index aperture_radius`, `R, d, n, semi diameter (mm)`.
+/// Returns the label of the last column if a comment labels the columns, the first as radii of curvature and the last
+/// as half of a clear aperture. Such comments are `radius thickness index aperture_radius` and `R, d, n, semi diameter
+/// (mm)`.
 fn heading_of_radii(comment: &str) -> Option<String> {
     let is_separator = |c: char| c.is_whitespace() || matches!(c, ',' | ';' | '|');
     let words =
@@ -243,8 +245,8 @@ fn heading_of_radii(comment: &str) -> Option<String> {
     }
 }
 
-/// Whether a line seems to have decimal commas: commas between two digits although its values have other separators, or
-/// more than the four that separate a row's values.
+/// Returns whether a line seems to have decimal commas. Such a line has commas between two digits although other
+/// separators divide its values, or it has more than the four commas that can separate a row's values.
 fn has_decimal_commas(line: &[u8]) -> bool {
     let digits_around =
         |three: &&[u8]| three[1] == b',' && three[0].is_ascii_digit() && three[2].is_ascii_digit();

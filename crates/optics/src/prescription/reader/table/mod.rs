@@ -1,12 +1,13 @@
 //! The project's own table. [`lines`] splits the text into lines of words. [`glasses`], [`statements`], [`coatings`]
-//! and [`columns`] read the lines that begin with a keyword, [`rows`] the others. `docs/lens-format.md` has the
-//! grammar.
+//! and [`columns`] read the lines that begin with a keyword, and [`rows`] reads the other lines. `docs/lens-format.md`
+//! has the grammar.
 //!
-//! There are two kinds of table. **Four columns**, as in the assignment and in pbrt: radius, thickness, refractive
-//! index, clear diameter in every row. **Five columns**, as in Smith's *Modern Lens Design*: radius, thickness, n_d,
-//! V-number, clear diameter for glass; radius, thickness, diameter for air; thickness and diameter, perhaps after the
-//! word `stop`, for the stop; `-` denotes a missing value. A file is of the second kind if any row has five values.
-//! The last column has radii instead of diameters if a comment heads it as radii.
+//! There are two kinds of table. **Four columns**, as in the assignment and in pbrt: every row has radius, thickness,
+//! refractive index and clear diameter. **Five columns**, as in Smith's *Modern Lens Design*: a row of glass has
+//! radius, thickness, n_d, V-number and clear diameter; a row of air has radius, thickness and diameter; the row of the
+//! stop has thickness and diameter, perhaps after the word `stop`; and `-` stands for a missing value. A file is of the
+//! second kind if any row has five values. In both kinds the last column has radii instead of diameters if a comment
+//! labels it as radii.
 
 mod coatings;
 mod columns;
@@ -24,7 +25,7 @@ use glasses::Glasses;
 use lines::{Line, Lines};
 use realistic_base::message::nearest;
 
-/// Reads a table from decoded bytes; `file` is its name in messages.
+/// Reads a table from decoded bytes; `file` is the name of the file in messages.
 ///
 /// # Errors
 /// The text is not a lens; the error gives the first location at which it is malformed.
@@ -84,7 +85,7 @@ pub(super) fn read(
     if let Some((word, wavelength)) = &wavelength {
         lens.check_wavelength(*wavelength).map_err(|why| lines.error(word, &why))?;
     }
-    // Every line of a table that is read has been used. Commas separate words, too.
+    // Every line of a table that was read has been used. Commas also separate words.
     ledger.use_open(|_, word| {
         let word = word.split(',').next().unwrap_or(word);
         Some(if word.starts_with(|c: char| c.is_ascii_alphabetic()) { word } else { "row" })
@@ -92,7 +93,7 @@ pub(super) fn read(
     Ok(lens)
 }
 
-/// Splits a focal length, alone on the first line, from the lines of the table.
+/// Splits off the first line if it has only a focal length. Returns that length and the remaining lines of the table.
 fn leading_focal_length<'a, 't>(
     lines: &'a Lines<'t>,
 ) -> Result<(Option<f64>, &'a [Line<'t>]), LensFileError> {
@@ -109,7 +110,7 @@ fn leading_focal_length<'a, 't>(
     }
 }
 
-/// Checks that the first line is not a heading without the comment mark.
+/// Checks that the first line is not a heading that lacks the comment mark.
 fn heading(lines: &Lines<'_>) -> Result<(), LensFileError> {
     let is_word = |word: &Cell<'_>| {
         word.text.starts_with(|c: char| c.is_ascii_alphabetic())

@@ -1,6 +1,6 @@
 //! Rows of a table: each line becomes a row, or an error with its line and column. Four columns are those of the
-//! assignment and of pbrt: radius, thickness, refractive index, clear diameter (mm). Five are those of W. J. Smith,
-//! *Modern Lens Design* (McGraw-Hill, 1992): radius, thickness, n_d, V-number, clear diameter.
+//! assignment and of pbrt: radius, thickness, refractive index and clear diameter (mm). Five columns are those of W. J.
+//! Smith, *Modern Lens Design* (McGraw-Hill, 1992): radius, thickness, n_d, V-number and clear diameter.
 
 use super::{glasses::Glasses, lines::Lines};
 use crate::prescription::{
@@ -16,10 +16,10 @@ const FOUR_COLUMNS: &str = "a row has four values: radius, thickness, refractive
 const FIVE_COLUMNS: &str = "a five-column table has rows of five values (glass: radius, thickness, n_d, V-number, \
      clear diameter), three (air: radius, thickness, diameter) or two (the stop: thickness, diameter)";
 
-/// Reads a row of four columns. Checks against its neighbours follow later.
+/// Reads a row of four columns. The checks of the row against its neighbours follow later.
 ///
 /// # Errors
-/// The first word that is invalid in its column.
+/// A word is invalid in its column. The error is about the first such word.
 pub(super) fn of_four(
     lines: &Lines<'_>,
     glasses: &Glasses<'_>,
@@ -45,10 +45,10 @@ pub(super) fn of_four(
     })
 }
 
-/// Reads a row of five columns, without the values that air and the stop do not have.
+/// Reads a row of five columns; rows of air and of the stop lack some of the values.
 ///
 /// # Errors
-/// The first word that is invalid in its column.
+/// A word is invalid in its column. The error is about the first such word.
 pub(super) fn of_five(
     lines: &Lines<'_>,
     glasses: &Glasses<'_>,
@@ -128,7 +128,7 @@ fn left_out(word: &Cell<'_>) -> bool {
     word.text == "-"
 }
 
-/// Reads the radius column, the same in both formats: a number; 0 and `inf` are planes.
+/// Reads the radius column, which is the same in both kinds of table: a number, where 0 and `inf` mean a plane.
 fn radius(lines: &Lines<'_>, word: &Cell<'_>) -> Result<f64, LensFileError> {
     if word.is_infinite() {
         return Ok(f64::INFINITY);
@@ -137,13 +137,13 @@ fn radius(lines: &Lines<'_>, word: &Cell<'_>) -> Result<f64, LensFileError> {
     Ok(if radius == 0.0 { f64::INFINITY } else { radius })
 }
 
-/// Reads the index column; 0 and 1 are air.
+/// Reads the index column, where 0 and 1 mean air.
 fn index(lines: &Lines<'_>, word: &Cell<'_>) -> Result<Option<f64>, LensFileError> {
     let index = lines.number(word, "a refractive index (0 or 1 for air)")?;
     surface_rows::index(index).map_err(|why| lines.error(word, &format!("{why}; write 0 or 1 for air")))
 }
 
-/// Returns the role that a word in the radius column states, if it is not a radius.
+/// Returns the role that a word in the radius column states, if the word is not a radius.
 fn role(word: &Cell<'_>) -> Role {
     if word.is("stop") {
         Role::Stop

@@ -1,5 +1,5 @@
-//! Lines about the whole lens or one row that begin with a keyword: `asphere`, `stop`, `blades`, `wavelength`. They are
-//! first taken out of the others, and applied to the rows after these are read.
+//! Lines that begin with a keyword and concern the whole lens or one row: `asphere`, `stop`, `blades`, `wavelength`.
+//! They are first taken out of the other lines, and are applied to the rows after the rows have been read.
 
 use super::lines::Lines;
 use crate::prescription::{
@@ -13,17 +13,18 @@ use crate::prescription::{
     },
 };
 
-/// The form of an asphere, for messages.
+/// The form of a line `asphere`, for messages.
 const ASPHERE: &str = "an asphere is: asphere ROW conic=… A4=… A6=… (any of A2 to A30, in mm^(1 - i))";
-/// The form of a stop on a surface, for messages.
+/// The form of a line `stop`, for messages.
 const STOP: &str = "a stop on a surface is: stop ROW";
-/// The form of blades, for messages.
+/// The form of a line `blades`, for messages.
 const BLADES: &str = "blades are: blades COUNT rotation=DEGREES curvature=C (3 to 32; 0 where left out; C from 0, straight, to 1, \
      the circle's)";
-/// The names of the blades' constants.
+/// The names of the constants in a line `blades`.
 const NAMES: [&str; 2] = ["rotation", "curvature"];
 
-/// Takes the lines `asphere ROW conic=… A2=… … A30=…` out of the others: the figures of rows, apart from their radii.
+/// Takes the lines `asphere ROW conic=… A2=… … A30=…` out of `lines`. They state the figures of rows, apart from the
+/// radii.
 pub(super) fn aspheres<'t>(lines: &mut Lines<'t>) -> Result<Vec<(Cell<'t>, Asphere)>, LensFileError> {
     let taken = lines.take(&["asphere"]);
     lines.at_most(&taken, MAX_INTERFACES, "a lens has at most as many aspheres as interfaces")?;
@@ -48,7 +49,7 @@ pub(super) fn aspheres<'t>(lines: &mut Lines<'t>) -> Result<Vec<(Cell<'t>, Asphe
     Ok(aspheres)
 }
 
-/// Gives the rows their figures.
+/// Assigns the aspheric figures to their rows.
 pub(super) fn give_aspheres(
     lines: &Lines<'_>,
     aspheres: &[(Cell<'_>, Asphere)],
@@ -61,15 +62,15 @@ pub(super) fn give_aspheres(
     Ok(())
 }
 
-/// Takes the line `stop ROW` out of the others: the surface of this row, possibly of glass, is the stop. A row that is
-/// itself a stop has a thickness and a diameter, too.
+/// Takes the line `stop ROW` out of `lines`. The surface of the row that it names, possibly a surface of glass, is the
+/// stop. A row of the table that is itself a stop has more values: a thickness and a diameter.
 pub(super) fn stop<'t>(lines: &mut Lines<'t>) -> Result<Option<Cell<'t>>, LensFileError> {
     let taken = lines.take_where(|line| line.len() == 2 && line[0].is("stop"));
     let line = lines.at_most_one(&taken, "\"stop ROW\"; a lens has one stop")?;
     Ok(line.map(|line| line[1]))
 }
 
-/// Makes the row that the word names the stop.
+/// Makes the row whose number the word states the stop.
 pub(super) fn make_stop(
     lines: &Lines<'_>,
     word: Option<&Cell<'_>>,
@@ -82,7 +83,8 @@ pub(super) fn make_stop(
     Ok(())
 }
 
-/// Takes the line `blades COUNT rotation=… curvature=…` out of the others: the opening of the iris in the stop.
+/// Takes the line `blades COUNT rotation=… curvature=…` out of `lines`. It describes the opening of the iris in the
+/// stop.
 pub(super) fn blades<'t>(lines: &mut Lines<'t>) -> Result<Option<(Cell<'t>, Blades)>, LensFileError> {
     let taken = lines.take(&["blades"]);
     let Some(line) = lines.at_most_one(&taken, "\"blades\"; a lens has one")? else { return Ok(None) };
@@ -100,7 +102,7 @@ pub(super) fn blades<'t>(lines: &mut Lines<'t>) -> Result<Option<(Cell<'t>, Blad
     Ok(Some((*keyword, Blades { count: number, rotation, curvature })))
 }
 
-/// Takes the line `wavelength NM` out of the others: the lens is traced at it unless the user sets another.
+/// Takes the line `wavelength NM` out of `lines`. The lens is traced at this wavelength unless the user sets another.
 pub(super) fn wavelength<'t>(lines: &mut Lines<'t>) -> Result<Option<(Cell<'t>, f64)>, LensFileError> {
     let taken = lines.take(&["wavelength"]);
     let Some(line) = lines.at_most_one(&taken, "\"wavelength\"; a lens has one")? else { return Ok(None) };

@@ -1,4 +1,4 @@
-//! Every accepted spelling, and every refusal with the message that its user reads.
+//! Tests of every accepted spelling, and of every refusal with the message that the user reads.
 
 use crate::prescription::{
     MAX_FILE_BYTES, MAX_INTERFACES, MAX_NAME_BYTES, Medium, Shape, catalogue, read,
@@ -117,7 +117,7 @@ fn a_decimal_comma_is_named_with_its_line() {
     refused("58,95 7,52 1,67 50,4", "1:1", hint);
     refused("58,95;7,52;1,67;50,4", "1:9", hint);
     refused("20,5,1.5,10,3,7", "1:1", hint);
-    // Read as a row of five columns, the first line is valid and the second is not.
+    // If the lines are read as rows of five columns, the first line is valid and the second is not.
     refused("20 5 1,5 10\n-20 30 1 10", "1:8", hint);
     refused("20\t5,5\t1.5\t10\n-20 30 1 10", "2:1", hint);
     let message = read(FILE, b"20,5,1.5,x").expect_err("refused").to_string();
@@ -226,7 +226,7 @@ fn a_row_can_have_a_figure() {
     let terms: Vec<f64> = asphere.terms.into_iter().filter(|term| *term != 0.0).collect();
     assert_eq!((asphere.terms[2], asphere.terms[18], terms.len()), (1e-5, -3e-30, 2));
     assert_eq!(lens.interfaces[1].shape, Shape::Sphere { radius: -20.0 });
-    // The line may be anywhere, with its words in any order and case; a polynomial on a plane has no radius.
+    // The line may be anywhere, with its words in any order and case. A polynomial on a plane has no radius.
     let other = ok(b"ASPHERE 1 a20=-3e-30 a4=1e-5 Conic=-1.2\n20 5 1.5 - 10\n-20 30 10");
     assert_eq!(other.interfaces, lens.interfaces);
     let corrector = ok(b"inf 5 1.5 10\ninf 30 1 10\nasphere 2 A2=1e-3 A3=0");
@@ -382,7 +382,7 @@ fn a_stop_may_be_a_surface_of_glass() {
 
 #[test]
 fn planes_that_only_limit_may_lie_within_a_neighbours_sagitta() {
-    // The planes are between the vertices, before the first and behind the last.
+    // The planes are between the vertices, before the first vertex and behind the last vertex.
     for text in [
         "20 5 1.5 10\n-20 -0.5 1 10\nstop 3 1 9\n20 5 1.5 10\n-20 30 1 10\n",
         "20 5 1.5 10\n-20 3 1 10\nstop -0.5 1 9\n20 5 1.5 10\n-20 30 1 10\n",

@@ -1,5 +1,5 @@
-//! The semi-diameters of the stop and of surfaces without one, from the file's aperture and field, by two paraxial rays
-//! (W. J. Smith, *Modern Optical Engineering*, on raytracing).
+//! The semi-diameters of the stop and of surfaces that state none, computed from the file's aperture and field by two
+//! paraxial rays (W. J. Smith, *Modern Optical Engineering*, on raytracing).
 
 use super::{blocks::Blocks, surface::ZemaxSurface};
 use crate::prescription::{
@@ -15,22 +15,23 @@ pub(super) enum Aperture {
     ByStop,
     /// Diameter of the entrance pupil.
     EntrancePupil(f64),
-    /// Focal length over entrance pupil diameter.
+    /// Focal length divided by the diameter of the entrance pupil.
     FNumber(f64),
-    /// 1/(2 u') of the image's cone, with u' the slope of the paraxial marginal ray, for the actual object distance.
+    /// Working f-number 1/(2 u'), where u' is the slope of the paraxial marginal ray on the image side, for the actual
+    /// object distance.
     WorkingFNumber(f64),
     /// Numerical aperture on the object side.
     ObjectNa(f64),
-    /// Half angle of the object's cone, degrees.
+    /// Half angle of the cone of light from the object, degrees.
     ObjectCone(f64),
 }
 
-/// Keywords of apertures.
+/// Keywords that state an aperture.
 const KEYS: [&str; 3] = ["ENPD", "FNUM", "OBNA"];
 
 impl Aperture {
-    /// Reads the lines `ENPD`, `FNUM` and `OBNA`. Their second value is 1 for the working f-number and for the cone's
-    /// angle. With `FLOA`, or without any of these lines, the stop's own size is used.
+    /// Reads the lines `ENPD`, `FNUM` and `OBNA`. A second value of 1 makes `FNUM` a working f-number and `OBNA` the
+    /// angle of a cone. With `FLOA`, or without any of these lines, the stop's own size is used.
     pub(super) fn of(
         text: &Text<'_>,
         blocks: &Blocks<'_>,
@@ -39,7 +40,7 @@ impl Aperture {
         let mut found = Self::ByStop;
         for record in blocks.general.iter().filter(|record| KEYS.contains(&record.key.text)) {
             let (location, key) = (record.key.location, record.key.text);
-            // A line without a value, or with 0, defers to another line.
+            // A line without a value, or with the value 0, leaves the aperture to another line.
             let value = if record.values().is_empty() { 0.0 } else { record.number(text, 0)? };
             let is_second = record.number_if_any(1) == Some(1.0);
             let (made, end): (fn(f64) -> Self, f64) = match (key, is_second) {
@@ -79,8 +80,8 @@ impl Aperture {
     }
 }
 
-/// The heights of two paraxial rays at each surface: one parallel to the axis at height 1, and one from the first
-/// vertex at slope 1. Every paraxial ray is a linear combination of the two.
+/// The heights of two paraxial rays at each surface. One ray enters parallel to the axis at height 1; the other starts
+/// at the first vertex with slope 1. Every paraxial ray is a linear combination of these two rays.
 #[derive(Debug)]
 pub(super) struct Paraxial {
     parallel: Vec<f64>,
@@ -90,10 +91,10 @@ pub(super) struct Paraxial {
 }
 
 impl Paraxial {
-    /// Traces the two rays through surfaces and the thicknesses behind them, at a wavelength in nm.
+    /// Traces the two rays through surfaces, with the thicknesses behind them, at a wavelength in nm.
     pub(super) fn of(surfaces: &[ZemaxSurface], thicknesses: &[f64], wavelength: f64) -> Self {
         let trace = |mut height: f64, mut slope: f64| {
-            // Index in front of the surface; `slope` holds the slope times this index.
+            // The index in front of the surface. `slope` holds the ray's slope times this index.
             let mut index = 1.0;
             let mut heights = Vec::with_capacity(surfaces.len());
             for (surface, thickness) in surfaces.iter().zip(thicknesses) {
@@ -112,7 +113,7 @@ impl Paraxial {
         Self { parallel, from_vertex, slopes: [slope, other_slope] }
     }
 
-    /// Returns the power 1/f, unsigned.
+    /// Returns the magnitude of the power 1/f.
     fn power(&self) -> f64 {
         self.slopes[0].abs()
     }
@@ -122,8 +123,8 @@ impl Paraxial {
         self.from_vertex[stop] / self.parallel[stop]
     }
 
-    /// Returns the semi-diameter of the surface `stop` for an aperture; `object` is the distance from the object to the
-    /// first vertex. `None` if the aperture does not determine it.
+    /// Returns the semi-diameter of the surface `stop` that an aperture determines; `None` if the aperture does not
+    /// determine it. `object` is the distance from the object to the first vertex.
     pub(super) fn stop(&self, aperture: Aperture, stop: usize, object: f64) -> Option<f64> {
         let by_pupil = |diameter: f64| diameter / 2.0 * self.parallel[stop];
         let by_cone = |slope: f64| slope * (object + self.pupil(stop)) * self.parallel[stop];
@@ -132,7 +133,7 @@ impl Paraxial {
             Aperture::EntrancePupil(diameter) => by_pupil(diameter),
             Aperture::FNumber(number) => by_pupil(1.0 / (self.power() * number)),
             Aperture::WorkingFNumber(number) => {
-                // The ray from the axial object point that meets the first vertex plane at height 1.
+                // The ray starts at the axial object point and meets the first vertex plane at height 1.
                 let [height, slope] = [
                     self.parallel[stop] + self.from_vertex[stop] / object,
                     self.slopes[0] + self.slopes[1] / object,
@@ -145,15 +146,17 @@ impl Paraxial {
         Some(size.abs()).filter(|size| *size > 0.0 && size.is_finite())
     }
 
-    /// Returns the semi-diameter at the surface `stop` of the widest axial beam from a distant object that passes the
-    /// other surfaces, given with their semi-diameters; `None` without other surfaces.
+    /// Returns the semi-diameter, at the surface `stop`, of the widest axial beam from a distant object that passes all
+    /// other surfaces. `others` has these surfaces with their semi-diameters. Returns `None` if there are no other
+    /// surfaces.
     pub(super) fn let_through(&self, stop: usize, others: impl Iterator<Item = (usize, f64)>) -> Option<f64> {
         let widest =
             others.map(|(surface, size)| (size / self.parallel[surface]).abs()).min_by(f64::total_cmp)?;
         Some((widest * self.parallel[stop]).abs()).filter(|size| *size > 0.0 && size.is_finite())
     }
 
-    /// Returns the height at a surface of the beam of a stop and a field (tangent of the angle from the axis).
+    /// Returns the height, at a surface, of the beam that passes the stop at a given field. `field` is the tangent of
+    /// the field's angle from the axis.
     pub(super) fn reach(
         &self,
         surface: usize,
@@ -166,8 +169,8 @@ impl Paraxial {
         Some(marginal.abs() + chief.abs()).filter(|reach| *reach > 0.0 && reach.is_finite())
     }
 
-    /// Returns the tangent of the field angle, from `FTYP` and the farthest of the fields: an angle, an object height
-    /// or an image height.
+    /// Returns the tangent of the field angle, from `FTYP` and the farthest field. `FTYP` states whether fields are
+    /// angles, object heights or image heights.
     pub(super) fn field(&self, blocks: &Blocks<'_>, stop: usize, object: f64) -> f64 {
         let kind = blocks.find("FTYP").and_then(|record| record.number_if_any(0)).unwrap_or(0.0);
         let size = farthest(blocks);
@@ -180,7 +183,7 @@ impl Paraxial {
     }
 }
 
-/// Returns the largest field of `XFLN` and `YFLN`, in degrees or as a length, depending on `FTYP`.
+/// Returns the size of the farthest field in `XFLN` and `YFLN`: degrees or a length, depending on `FTYP`.
 pub(super) fn farthest(blocks: &Blocks<'_>) -> f64 {
     let count = blocks.find("FTYP").and_then(|record| record.number_if_any(2)).unwrap_or(f64::INFINITY);
     let value =

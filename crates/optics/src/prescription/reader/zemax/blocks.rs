@@ -1,8 +1,8 @@
-//! The file's lines: `SURF n` with lines that describe the surface, and lines before and behind that describe the whole
-//! lens.
+//! The lines of the file. `SURF n` begins the lines that describe a surface. The lines before and behind the surfaces
+//! describe the whole lens.
 //!
-//! The lines of a surface are indented more than its `SURF`. Some programs indent nothing; there a line with a
-//! surface's keyword belongs to the surface before it.
+//! The lines of a surface are indented more than its `SURF`. Some programs indent nothing; in their files a line with a
+//! keyword of surfaces belongs to the surface before it.
 //!
 //! A record remembers whether its values were read ([`Record::is_used`]), so that the reader can report unused lines at
 //! the end.
@@ -24,7 +24,7 @@ pub(super) struct Record<'t> {
 }
 
 impl<'t> Record<'t> {
-    /// Whether the values of the record have been read.
+    /// Returns whether the values of the record have been read.
     pub(super) fn is_used(&self) -> bool {
         self.is_used.get()
     }
@@ -35,12 +35,12 @@ impl<'t> Record<'t> {
         &self.values
     }
 
-    /// Returns a value, counted from 0, as written.
+    /// Returns the value of a given number, counted from 0, as written.
     pub(super) fn word(&self, value: usize) -> Option<Cell<'t>> {
         self.values().get(value).copied()
     }
 
-    /// Returns a value, counted from 0, that must be a finite number.
+    /// Returns the value of a given number, counted from 0; the value must be a finite number.
     pub(super) fn number(&self, text: &Text<'_>, value: usize) -> Result<f64, LensFileError> {
         let Some(cell) = self.word(value) else {
             return Err(text.error(self.key.location, format!("{} lacks its value {}", self.key, value + 1)));
@@ -48,7 +48,7 @@ impl<'t> Record<'t> {
         text.number(&cell, &format!("value {} of {}", value + 1, self.key))
     }
 
-    /// Returns a value that may be missing or malformed; `None` if it is not a finite number.
+    /// Returns a value that may be missing or malformed; `None` if the value is not a finite number.
     pub(super) fn number_if_any(&self, value: usize) -> Option<f64> {
         self.word(value).as_ref().and_then(Cell::number)
     }
@@ -59,7 +59,7 @@ impl<'t> Record<'t> {
 pub(super) struct Block<'t> {
     /// The location of `SURF n`.
     pub location: Location,
-    /// The number n.
+    /// The number n in `SURF n`.
     pub number: &'t str,
     pub records: Vec<Record<'t>>,
 }
@@ -69,7 +69,7 @@ impl<'t> Block<'t> {
         self.records.iter().find(|record| record.key.text == key)
     }
 
-    /// Returns the numbered values of `PARM` or `XDAT` lines.
+    /// Returns the numbered values in the lines `PARM` or `XDAT`.
     pub(super) fn numbered(
         &self,
         text: &Text<'_>,
@@ -87,7 +87,7 @@ impl<'t> Block<'t> {
     }
 }
 
-/// Keywords of a surface's lines.
+/// Keywords of the lines that describe a surface.
 const OF_SURFACE: [&str; 44] = [
     "TYPE", "CURV", "CONI", "COAT", "GLAS", "DISZ", "DIAM", "PARM", "XDAT", "STOP", "COMM", "FIMP", "HIDE",
     "MIRR", "SLAB", "POPS", "MEMA", "OEMA", "MAZH", "FLAP", "CLAP", "OBSC", "SQAP", "SQOB", "ELAP", "ELOB",
@@ -95,7 +95,7 @@ const OF_SURFACE: [&str; 44] = [
     "DRAW", "RAID", "GLCZ", "IGNR", "NSCS",
 ];
 
-/// Whether a line begins a surface, `SURF n`, with any spacing.
+/// Returns whether a line begins a surface: `SURF n`, with any spacing.
 pub(super) fn is_surface(line: &[u8]) -> bool {
     let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
     words.next() == Some(b"SURF") && words.next().is_some_and(|word| word[0].is_ascii_digit())
@@ -106,7 +106,7 @@ pub(super) fn is_surface(line: &[u8]) -> bool {
 pub(super) struct Blocks<'t> {
     /// The lines that belong to no surface.
     pub general: Vec<Record<'t>>,
-    /// The surfaces in order, the object first and the image last.
+    /// The surfaces in order, with the object first and the image last.
     pub surfaces: Vec<Block<'t>>,
 }
 

@@ -1,9 +1,9 @@
 //! The statements about the whole lens, outside its surfaces.
 //!
-//! - The wavelength that the file is for: `PWAV i` is the number of the primary one among `WAVM i µm weight` lines or,
-//!   in old files, among the values of `WAVN` or `WAVL`.
+//! - The primary wavelength, for which the file describes the lens. `PWAV i` states its number among the lines
+//!   `WAVM i µm weight` or, in old files, among the values of `WAVN` or `WAVL`.
 //! - Multi-configuration records behind the surfaces: `MNUM n`, then operands `KEY surface configuration value`. The
-//!   reader supports `THIC`, `APER` and `SDIA` of the stop; others that change the lens are reported by name.
+//!   reader supports `THIC`, `APER`, and `SDIA` of the stop; other operands that change the lens are reported by name.
 //! - The environment, `ENVD`.
 
 use std::collections::{HashMap, HashSet};
@@ -22,7 +22,7 @@ use crate::prescription::{
 };
 use realistic_base::message::{as_given, cut};
 
-/// Returns the primary wavelength, nm, and its location; `None` if the file has none.
+/// Returns the primary wavelength, nm, and its location; `None` if the file states none.
 pub(super) fn primary_wavelength(
     text: &Text<'_>,
     blocks: &Blocks<'_>,
@@ -53,7 +53,7 @@ pub(super) fn primary_wavelength(
         return Err(text.error(record.key.location, "a wavelength without a value, µm"));
     };
     let micrometres = text.number(&cell, "a wavelength, µm")?;
-    // Rounds to the intended decimal: 0.58756 times 1000 is not exactly 587.56.
+    // The result is rounded to the intended decimal number, because 0.58756 times 1000 is not exactly 587.56.
     let wavelength = format!("{:.12e}", micrometres * 1e3).parse().expect("a number");
     if !VALID_WAVELENGTHS.contains(&wavelength) {
         let (first, last) = (VALID_WAVELENGTHS.start(), VALID_WAVELENGTHS.end());
@@ -70,7 +70,8 @@ pub(super) fn primary_wavelength(
 #[derive(Debug)]
 pub(super) struct Configurations {
     pub count: usize,
-    /// Values of the supported operands, by surface, as the file numbers it, and configuration, counted from 0.
+    /// Values of the supported operands. The keys are the operand, the surface as the file numbers it, and the
+    /// configuration, counted from 0.
     values: HashMap<(Operand, usize, usize), f64>,
 }
 
@@ -81,13 +82,14 @@ pub(super) enum Operand {
     Thickness,
     /// `SDIA`: the semi-diameter of the stop.
     StopSize,
-    /// `APER`: the value of the file's aperture, of any kind.
+    /// `APER`: the value of the file's aperture, whatever its kind.
     Aperture,
 }
 
 impl Configurations {
-    /// Reads the operands of a file whose surface numbers are below `end`. `stop` is the number of its stop, and
-    /// `is_by_stop` is true if the stop's size is the file's aperture. The fates of the operands go to `ledger`.
+    /// Reads the operands of a file whose surface numbers are below `end`. `stop` is the number of the stop's surface,
+    /// and `is_by_stop` is true if the file's aperture is the size of the stop. The fates of the operands go to
+    /// `ledger`.
     pub(super) fn of(
         text: &Text<'_>,
         blocks: &Blocks<'_>,
@@ -140,7 +142,7 @@ impl Configurations {
         fn words<'t, const N: usize>(record: &Record<'t>, values: [usize; N]) -> [Option<&'t str>; N] {
             values.map(|value| record.word(value).map(|cell| cell.text))
         }
-        // The subject of an operand is its keyword, its surface and, for PRAM, the number of the parameter.
+        // The subject of an operand consists of the keyword, the surface and, for PRAM, the number of the parameter.
         let subject = |record: &Record<'t>| (record.key.text, words(record, [0, 4]));
         let mut stated: HashMap<_, (HashSet<_>, HashSet<_>)> = HashMap::new();
         for record in records {
@@ -164,7 +166,7 @@ impl Configurations {
         }
     }
 
-    /// Returns the surface and the configuration, counted from 0, of an operand.
+    /// Returns the surface of an operand, and its configuration, counted from 0.
     fn target(
         &self,
         text: &Text<'_>,
@@ -200,8 +202,8 @@ impl Configurations {
     }
 }
 
-/// Warns of an environment for which the file's program adjusts the refractive indices. `ENVD` has the temperature in
-/// °C, the pressure in atmospheres, and whether the indices are adjusted to them.
+/// Warns of an environment for which the file's program adjusts the refractive indices. `ENVD` states the temperature
+/// in °C, the pressure in atmospheres, and whether the indices are adjusted to the two.
 pub(super) fn environment(blocks: &Blocks<'_>, ledger: &mut Ledger<'_>) {
     let Some(record) = blocks.find("ENVD") else { return };
     let [temperature, pressure, adjusts] = [0, 1, 2].map(|value| record.number_if_any(value));

@@ -1,11 +1,12 @@
-//! Zemax files (.zmx), sequential: text of keywords with a block `SURF n` per surface, the object first and the image
-//! last. They state *semi*-diameters, and curvatures instead of radii.
+//! Sequential Zemax files (.zmx): text of keywords, with a block `SURF n` for each surface, the object first and the
+//! image last. The files state *semi*-diameters, and curvatures instead of radii.
 //!
-//! Surfaces without effect, whose size the file's program computed, are left out. The stop, on glass or in air, has the
-//! size that follows from the file's aperture.
+//! Surfaces that have no effect, and whose size the file's program computed, are left out. The stop, whether on glass
+//! or in air, has the size that follows from the file's aperture.
 //!
-//! `blocks` splits the text into records. `general` reads the records of the whole lens, `surface` those of a block.
-//! `aperture` derives missing semi-diameters by paraxial rays. `statements` records the fate of every line.
+//! `blocks` splits the text into records. `general` reads the records of the whole lens, and `surface` reads the
+//! records of a block. `aperture` derives missing semi-diameters by paraxial rays. `statements` records the fate of
+//! every line.
 
 mod aperture;
 mod blocks;
@@ -31,21 +32,21 @@ use general::{Configurations, Operand};
 use realistic_base::message::{cut, short};
 use surface::ZemaxSurface;
 
-/// Whether a line begins a surface; no other format has such a line.
+/// Returns whether a line begins a surface. No other format has such a line.
 pub(super) fn is_surface(line: &[u8]) -> bool {
     blocks::is_surface(line)
 }
 
-/// Object distances from here on, in the file's unit, mean infinity: multi-configuration records write 1e10.
+/// Object distances from this value on, in the file's unit, mean infinity: multi-configuration records write 1e10.
 const FAR: f64 = 1e9;
 
-/// Thicknesses between minus this, mm, and 0 are rounding errors, and become 0.
+/// Negative thicknesses of a magnitude below this value, mm, are rounding errors and are set to 0.
 const ROUNDING: f64 = 1e-4;
 
 /// Reads a lens from a text.
 ///
 /// # Errors
-/// The text is not a lens, or is one that cannot be traced; the error gives the first location with a fault.
+/// The text is not a lens, or is a lens that cannot be traced; the error gives the first location with a fault.
 pub(super) fn read(
     text: &Text<'_>,
     library: &GlassLibrary,
@@ -60,7 +61,7 @@ pub(super) fn read(
     let unit = unit(text, &blocks)?;
     let ZemaxParts { object, own, image } = ZemaxParts::of(text, &blocks, ledger)?;
     let first_location = object.unwrap_or(&own[0]).location;
-    // Catalogues that the file's program searches for glasses.
+    // The catalogues in which the file's program searches for glasses.
     let catalogues = blocks.find("GCAT").map_or(&[][..], |record| record.values());
     let mut glasses =
         NamedGlasses::new(library, catalogues.iter().map(|catalogue| loose(catalogue.text)).collect());
@@ -76,10 +77,10 @@ pub(super) fn read(
     general::environment(&blocks, ledger);
     let stop = surfaces.iter().position(|surface| surface.is_stop);
     let aperture = Aperture::of(text, &blocks, ledger)?;
-    // The object's surface is number 0, even if it is missing from the file.
+    // The surface of the object is number 0, even if the file lacks it.
     let numbers = (stop.map(|stop| stop + 1), aperture == Aperture::ByStop);
     let configurations = Configurations::of(text, &blocks, own.len() + 2, numbers, ledger)?;
-    // Thicknesses by configuration, beginning with the object's distance.
+    // The thicknesses in each configuration, beginning with the distance of the object.
     let mut stated = vec![object.map_or(Ok(f64::INFINITY), |object| thickness(text, object, true))?];
     for block in own {
         stated.push(thickness(text, block, false)?);
@@ -198,14 +199,14 @@ pub(super) fn read(
 /// The blocks of a file: the lens, the object in front of it and the image behind it.
 struct ZemaxParts<'b, 't> {
     object: Option<&'b Block<'t>>,
-    /// The lens's surfaces; at least one.
+    /// The surfaces of the lens; at least one.
     own: &'b [Block<'t>],
     image: Option<&'b Block<'t>>,
 }
 
 impl<'b, 't> ZemaxParts<'b, 't> {
-    /// Assigns the surfaces of a file, which are numbered from 0. A file that begins with surface 1 has no object, and
-    /// has an image only if its last surface is a plane in air.
+    /// Assigns the surfaces of a file, which are numbered from 0, to the lens, the object and the image. A file that
+    /// begins with surface 1 has no object, and has an image only if its last surface is a plane in air.
     fn of(text: &Text<'_>, blocks: &'b Blocks<'t>, ledger: &mut Ledger<'_>) -> Result<Self, LensFileError> {
         let all = blocks.surfaces.as_slice();
         let first = usize::from(all.first().is_some_and(|block| block.number.parse() == Ok(1)));
@@ -240,20 +241,20 @@ impl<'b, 't> ZemaxParts<'b, 't> {
     }
 }
 
-/// Whether a surface has no effect if there is air in front of it.
+/// Returns whether a surface has no effect if there is air in front of it.
 fn is_plane_in_air(block: &Block<'_>) -> bool {
     let curvature = block.find("CURV").and_then(|record| record.number_if_any(0));
     curvature.unwrap_or(0.0) == 0.0 && block.find("GLAS").is_none() && block.find("STOP").is_none()
 }
 
-/// Returns the semi-diameter of a stop without a size: that of the beam that passes the other surfaces.
+/// Returns the semi-diameter of a stop that states none: that of the widest beam that passes the other surfaces.
 fn let_through(surfaces: &[ZemaxSurface], stop: usize, paraxial: &Paraxial) -> Option<f64> {
     let counts = |&i: &usize| i != stop && (!is_idle(surfaces, i) || surfaces[i].is_fixed);
     let others = (0..surfaces.len()).filter(counts).filter_map(|i| Some((i, surfaces[i].semi_diameter?)));
     paraxial.let_through(stop, others)
 }
 
-/// Records the source of the stop's size.
+/// Records how the stop's size was found.
 fn report_stop(
     block: &Block<'_>,
     stop: &ZemaxSurface,
@@ -293,8 +294,8 @@ fn report_stop(
     }
 }
 
-/// Whether all lengths are finite, and semi-diameters and distances also positive: units and sums may overflow or
-/// underflow.
+/// Returns whether all lengths are finite, and whether all lengths except thicknesses and gaps are also positive. Units
+/// and sums may cause overflow or underflow.
 fn has_range(lens: &Prescription) -> bool {
     let is_length = |length: f64| length > 0.0 && length.is_finite();
     let interfaces = lens.interfaces.iter().all(|interface| {
@@ -315,7 +316,7 @@ fn has_range(lens: &Prescription) -> bool {
     interfaces && columns && lens.nominal_film_distance.is_none_or(is_length)
 }
 
-/// Returns the file's unit in mm.
+/// Returns the unit of the file's lengths, mm.
 fn unit(text: &Text<'_>, blocks: &Blocks<'_>) -> Result<f64, LensFileError> {
     let Some(word) = blocks.find("UNIT").and_then(|record| record.word(0)) else { return Ok(1.0) };
     match word.text.to_ascii_uppercase().as_str() {
@@ -334,7 +335,7 @@ fn title(blocks: &Blocks<'_>) -> Option<String> {
         .filter(|title| !title.is_empty())
 }
 
-/// Returns the thickness behind a surface; that of the object may be infinite.
+/// Returns the thickness behind a surface. The thickness behind the object may be infinite.
 fn thickness(text: &Text<'_>, block: &Block<'_>, is_object: bool) -> Result<f64, LensFileError> {
     let Some(record) = block.find("DISZ") else { return Ok(if is_object { f64::INFINITY } else { 0.0 }) };
     let is_endless = record.word(0).is_some_and(|value| value.text.to_ascii_uppercase().starts_with("INF"));
@@ -348,14 +349,14 @@ fn thickness(text: &Text<'_>, block: &Block<'_>, is_object: bool) -> Result<f64,
     }
 }
 
-/// Whether the media on both sides of a surface are the same.
+/// Returns whether the media on both sides of a surface are the same.
 fn is_idle(surfaces: &[ZemaxSurface], i: usize) -> bool {
     let in_front = if i == 0 { Medium::Air.into() } else { surfaces[i - 1].behind };
     in_front == surfaces[i].behind
 }
 
-/// Returns the surfaces with an effect: they bend rays, are the stop, or have an aperture that the file fixes. Planes
-/// behind the image limit no ray that reaches it. The fates of the others go to `ledger`.
+/// Returns the surfaces that have an effect: they bend rays, are the stop, or have an aperture that the file fixes.
+/// Planes behind the image limit no ray that reaches the image. The fates of the other surfaces go to `ledger`.
 fn effective_surfaces(
     own: &[Block<'_>],
     surfaces: &[ZemaxSurface],
@@ -384,13 +385,14 @@ fn effective_surfaces(
     effective
 }
 
-/// Returns the thicknesses behind the surfaces with an effect, each with those behind the surfaces left out after it.
+/// Returns, for each surface with an effect, the thickness behind it plus the thicknesses behind the surfaces left out
+/// after it.
 fn merged(effective: &[usize], thicknesses: &[f64]) -> Vec<f64> {
     let end = |row: usize| effective.get(row + 1).copied().unwrap_or(thicknesses.len());
     (0..effective.len()).map(|row| thicknesses[effective[row]..end(row)].iter().sum()).collect()
 }
 
-/// Derives the missing semi-diameters, if the file has the data.
+/// Derives the missing semi-diameters, if the file has the data for that.
 fn derive_missing(
     blocks: &Blocks<'_>,
     own: &[Block<'_>],
@@ -417,7 +419,7 @@ fn derive_missing(
     }
 }
 
-/// Returns the row of a surface; `None` if it has no size.
+/// Returns the row of a surface; `None` if the surface has no size.
 fn surface_row(surfaces: &[ZemaxSurface], i: usize, thickness: f64) -> Option<SurfaceRow> {
     let surface = &surfaces[i];
     let is_plane =
@@ -429,7 +431,7 @@ fn surface_row(surfaces: &[ZemaxSurface], i: usize, thickness: f64) -> Option<Su
         false => Role::Any,
     };
     Some(SurfaceRow {
-        // A curvature of 0 is a plane.
+        // A curvature of 0 means a plane.
         radius: if surface.curvature == 0.0 { f64::INFINITY } else { surface.curvature.recip() },
         role,
         thickness,
@@ -439,7 +441,7 @@ fn surface_row(surfaces: &[ZemaxSurface], i: usize, thickness: f64) -> Option<Su
     })
 }
 
-/// Returns the configurations as positions; `None` for a single one with its object at infinity.
+/// Returns the configurations as positions; `None` if the file has a single configuration with the object at infinity.
 fn positions(
     text: &Text<'_>,
     thicknesses: &[Vec<f64>],

@@ -1,10 +1,10 @@
-//! The keywords that this reader knows but does not need, with the reason why each has no effect on rays through the
+//! The keywords that this reader knows but does not need, each with the reason why it has no effect on rays through the
 //! lens. Keywords that are neither listed here nor read are reported by name as left out.
 
 use super::blocks::{Block, Blocks, Record};
 use crate::prescription::{Fate, reader::ledger::Ledger};
 
-/// Keywords by subject.
+/// Keywords, grouped by the reason why they have no effect.
 const NO_EFFECT: [(&str, &[&str]); 5] = [
     (
         "names and notes",
@@ -28,22 +28,22 @@ const NO_EFFECT: [(&str, &[&str]); 5] = [
     ),
 ];
 
-/// Operands of configurations about fields, wavelengths and their weights.
+/// Operands of configurations that concern fields, wavelengths and their weights.
 const OPERANDS_WITHOUT_EFFECT: [&str; 12] =
     ["XFIE", "YFIE", "FLWT", "FVDX", "FVDY", "FVCX", "FVCY", "FVAN", "WAVE", "WLWT", "FLTP", "CWGT"];
 
-/// Returns why an operand of a configuration has no effect on the lens; `None` if it may have one.
+/// Returns the reason why an operand of a configuration has no effect on the lens; `None` if it may have an effect.
 pub(super) fn no_effect_of_operand(key: &str) -> Option<&'static str> {
     OPERANDS_WITHOUT_EFFECT.contains(&key).then_some(NO_EFFECT[4].0).or_else(|| no_effect(key))
 }
 
-/// Returns why a keyword has no effect on the lens; `None` if it may have one.
+/// Returns the reason why a keyword has no effect on the lens; `None` if it may have an effect.
 fn no_effect(key: &str) -> Option<&'static str> {
     NO_EFFECT.iter().find(|(_, keys)| keys.contains(&key)).map(|(reason, _)| *reason)
 }
 
-/// Records the fates of all lines: used if the reader has read their values, informative if they have no effect on the
-/// lens. The surfaces `own` are the lens; the others are the object and the image.
+/// Records the fates of all lines. A line is used if the reader has read its values, and informative if it has no
+/// effect on the lens. The surfaces `own` are those of the lens; the other surfaces are the object and the image.
 pub(super) fn record_fates(blocks: &Blocks<'_>, own: &[Block<'_>], ledger: &mut Ledger<'_>) {
     let mut line = |record: &Record<'_>, surface: Option<&str>, otherwise: Option<&str>| {
         let location = record.key.location;

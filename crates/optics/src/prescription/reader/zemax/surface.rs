@@ -1,7 +1,8 @@
-//! A surface of the file: its curvature, figure, glass, aperture and coating, and the refusal of unsupported surfaces.
+//! A surface of the file: reads its curvature, figure, glass, aperture and coating, and refuses unsupported surfaces.
 //!
-//! A coating is a name (`COAT NAME`). The recipes are in a separate file of the program (COATING.DAT), which is not
-//! read. Names of its sample file select the coatings here with the same layers; other names are reported.
+//! A coating is a name (`COAT NAME`). The file's program keeps the recipes in a separate file (COATING.DAT), which is
+//! not read. Names in the sample file of that program select the coatings here that have the same layers; other names
+//! are reported.
 
 use super::blocks::{Block, Record};
 use crate::prescription::{
@@ -17,21 +18,22 @@ use crate::prescription::{
 };
 use realistic_base::message::{cut, quoted};
 
-/// A surface, lengths in the file's unit.
+/// A surface, with lengths in the file's unit.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ZemaxSurface {
-    /// 1/R; the figure's own radius stays infinite.
+    /// 1/R. The radius in `asphere` stays infinite.
     pub curvature: f64,
     pub asphere: Option<Asphere>,
     /// The medium behind the surface.
     pub behind: MediumBehind,
-    /// The semi-diameter in use: that of the aperture (`CLAP`), else that of `DIAM`, unless it is 0.
+    /// The semi-diameter in use: that of the aperture (`CLAP`) or, without one, that of `DIAM` unless it is 0.
     pub semi_diameter: Option<f64>,
-    /// The semi-diameter of `DIAM`.
+    /// The semi-diameter stated by `DIAM`.
     pub listed: Option<f64>,
     /// The semi-diameter of the aperture.
     pub clip: Option<f64>,
-    /// Whether the file fixes the semi-diameter, or states an aperture; otherwise its program computed it from rays.
+    /// Whether the file fixes the semi-diameter or states an aperture. Otherwise the file's program computed the
+    /// semi-diameter from rays.
     pub is_fixed: bool,
     pub is_stop: bool,
 }
@@ -39,10 +41,10 @@ pub(super) struct ZemaxSurface {
 /// The supported types of surfaces, for messages.
 const READ: &str = "read are STANDARD, EVENASPH, ODDASPHE, XASPHERE, XOSPHERE and a plane JONESMAT";
 
-/// Reads one surface between object and image.
+/// Reads one surface between the object and the image.
 ///
 /// # Errors
-/// Tracing does not support such a surface, or a value is missing.
+/// Tracing does not support the surface, or a value is missing.
 pub(super) fn read(
     text: &Text<'_>,
     block: &Block<'_>,
@@ -63,7 +65,7 @@ pub(super) fn read(
         .filter(|semi_diameter| *semi_diameter != 0.0);
     let is_listed_fixed = diameter.and_then(|record| record.number_if_any(1)) == Some(1.0);
     let floats = block.find("FLAP").is_some();
-    // A floating aperture is as large as the semi-diameter.
+    // A floating aperture is as large as the semi-diameter of its surface.
     let by_float = semi_diameter.filter(|_| floats && is_listed_fixed);
     let clip = aperture(text, block, semi_diameter, ledger)?.or(by_float);
     let is_fixed = clip.is_some() || floats || is_listed_fixed;
@@ -83,7 +85,7 @@ pub(super) fn read(
     })
 }
 
-/// Returns the polynomial terms of the surface, by its type.
+/// Returns the polynomial terms of the surface, which depend on its type.
 ///
 /// # Errors
 /// The type or a power of r is not supported.
@@ -142,7 +144,7 @@ fn terms(
         other => return refuse(&format!("of type {}, which is not read", cut(other)), READ),
     };
     let step = if even { 2 } else { 1 };
-    // XDAT has the number of terms, then the normalisation radius, then the terms.
+    // XDAT states first the number of terms, then the normalisation radius, then the terms.
     let of_data = |number: usize| data.iter().find(|(i, ..)| *i == number).map(|&(_, value, _)| value);
     let count = of_data(1).unwrap_or(f64::INFINITY);
     let counts = |i: usize| is_extended && i > 2 && (i - 2) as f64 <= count;
@@ -176,7 +178,7 @@ fn terms(
     Ok(terms)
 }
 
-/// Keywords of apertures other than a circle about the axis, with their descriptions.
+/// Keywords of apertures that are not a circle about the axis, with descriptions of these apertures.
 const SHAPED: [(&str, &str); 9] = [
     ("OBSC", "a round obscuration"),
     ("SQAP", "a rectangular aperture"),
@@ -192,8 +194,8 @@ const SHAPED: [(&str, &str); 9] = [
 /// Returns the radius of the surface's round aperture, if the file states one separately from the semi-diameter.
 ///
 /// # Errors
-/// The surface has an aperture of another shape, or it or its aperture is tilted or decentred. Rays traced without
-/// these would be wrong.
+/// The surface has an aperture of another shape, or the surface or its aperture is tilted or decentred. Rays traced
+/// without these features would be wrong.
 fn aperture(
     text: &Text<'_>,
     block: &Block<'_>,
@@ -227,7 +229,7 @@ fn aperture(
                 ledger.note(Fate::Replaced, record.key.location, key, Some(block.number), reason);
             }
             "OBDC" if is_any(record, 0) => return refuse(record, "a decentred aperture"),
-            // The values are the side, the order and a pickup, then the decentring and the tilts.
+            // The first three values are the side, the order and a pickup; the decentring and the tilts follow.
             "SCBD" if is_any(record, 3) => return refuse(record, "a tilt or decentring"),
             _ => {
                 if let Some((_, what)) = SHAPED.iter().find(|(own, _)| *own == key) {
@@ -263,11 +265,12 @@ pub(super) fn object_medium(
     Err(text.error(record.key.location, message))
 }
 
-/// The form of a model glass, for messages.
+/// The required form of a model glass, for messages.
 const MODEL_GLASS: &str = "a model glass has an index of 1 or more as its fourth value";
 
-/// Reads `GLAS name code pickup n_d V …`. Solve code 1 is a model glass, defined by the two numbers. With any other
-/// code only the name is used: the numbers may belong to a previous glass, and with code 3 (substitute) mostly do.
+/// Reads `GLAS name code pickup n_d V …`. Solve code 1 denotes a model glass, which n_d and V define. With any other
+/// code only the name is used. The numbers may then belong to a previous glass, and with code 3 (substitute) they
+/// mostly do.
 fn glass(
     text: &Text<'_>,
     block: &Block<'_>,
@@ -282,14 +285,14 @@ fn glass(
         let message = format!("surface {} is a mirror; only lenses that refract are traced", block.number);
         return Err(text.error(location, message));
     }
-    // These numbers are written by programs that do not store those of catalogue glasses.
+    // These numbers are written by programs that do not store the numbers of catalogue glasses.
     const PLACEHOLDER: [Option<f64>; 2] = [Some(1.5), Some(40.0)];
     const NO_NAME: &str = "___BLANK";
     let code = record.number_if_any(1).unwrap_or(0.0);
     let numbers = [record.number_if_any(3), record.number_if_any(4)];
     let [n_d, abbe] = [numbers[0], numbers[1].filter(|abbe| *abbe > 0.0)];
     if name.text == NO_NAME || code == 1.0 {
-        // An Abbe number may be missing, but not malformed.
+        // The Abbe number may be missing, but must not be malformed.
         if record.word(4).is_some() {
             record.number(text, 4)?;
         }
@@ -332,9 +335,8 @@ fn glass(
     })
 }
 
-/// Names of coatings, in any case, besides those of [`Coating::NAMES`]. AR is a quarter wave of MgF2. HEAR1 is a
-/// quarter wave of MgF2, a half wave of ZrO2 and a quarter wave of CeF3. Waves are those of the file's primary
-/// wavelength.
+/// Names of coatings, in any case, in addition to [`Coating::NAMES`]. AR is a quarter wave of MgF2. HEAR1 is a quarter
+/// wave of MgF2, a half wave of ZrO2 and a quarter wave of CeF3. The waves refer to the file's primary wavelength.
 const COATINGS: [(&str, Coating); 5] = [
     ("none", Coating::Bare),
     ("null", Coating::Bare),
@@ -344,7 +346,7 @@ const COATINGS: [(&str, Coating); 5] = [
 ];
 
 /// Returns the coatings of the interfaces, which correspond to `blocks`, with layers in waves of `wavelength`, nm.
-/// `None` if the file names no coating. Warnings about unsupported coatings go to `ledger`.
+/// Returns `None` if the file names no coating. Warnings about unsupported coatings go to `ledger`.
 pub(super) fn coatings(
     blocks: &[&Block<'_>],
     interfaces: &[Interface],

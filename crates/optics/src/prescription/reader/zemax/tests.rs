@@ -1,4 +1,4 @@
-//! Reading of a whole lens, and every refusal with the message that its user reads.
+//! Tests that read a whole lens, and tests of every refusal with the message that the user reads.
 
 use crate::prescription::{
     Coating, GlassLibrary, Medium, NO_TERMS, Shape, SurfaceCoating,
@@ -7,8 +7,8 @@ use crate::prescription::{
     reader::checks::{FILE, ok, refused},
 };
 
-/// A made-up lens: a named glass, a model glass, an asphere, surfaces without effect, and a stop in air with a size
-/// that follows from the pupil's diameter.
+/// A made-up lens with a named glass, a model glass, an asphere, surfaces without effect, and a stop in air whose size
+/// follows from the diameter of the entrance pupil.
 const LENS: &str = "VERS 120928 0\nMODE SEQ\nNAME A made-up lens\nUNIT MM X W X CM MR CPMM\nENPD 8.0\nFTYP 0 0 2 3 0 0 0\n\
     XFLN 0 0 0\nYFLN 0 10 0\nGCAT SCHOTT\n\
     SURF 0\n  TYPE STANDARD\n  CURV 0.0 0 0\n  DISZ INFINITY\n  DIAM 0 0 0 0 1 \"\"\n\
@@ -38,13 +38,14 @@ fn surfaces_between_object_and_image_are_read() {
     assert_eq!((even.radius, even.terms[2], even.terms[14]), (-20.0, 1e-5, 2e-30));
     assert_eq!((stop.shape, last.shape), (Shape::Plane, Shape::Plane));
     assert_eq!(lens.stop_in_air(), Some(2));
-    // The number is a semi-diameter; the thickness behind an idle surface is added to that of its neighbour.
+    // The number is a semi-diameter. The thickness behind a surface without effect is added to the thickness behind its
+    // neighbour.
     assert_eq!((first.semi_diameter, second.thickness, last.thickness), (5.0, 1.0, 0.0));
     assert!(matches!(first.medium, Medium::Sellmeier { .. }));
     assert_eq!(third.medium, Medium::Glass { n_d: 1.6, abbe: Some(40.0) });
     assert_eq!((lens.nominal_film_distance, lens.positions), (Some(30.0), None));
     assert_eq!(lens.stated.fields, [Some(20.0)]);
-    // The entrance pupil has a diameter of 8 mm: a ray at height 4 mm through the first lens, by hand.
+    // The entrance pupil has a diameter of 8 mm. The ray at height 4 mm through the first lens is computed by hand.
     let n = refractive_index(first.medium, D_LINE);
     let in_glass = -(n - 1.0) * 0.05 * 4.0 / n;
     let behind = 4.0 + 4.0 * in_glass;
@@ -71,11 +72,12 @@ fn the_aperture_can_be_stated_in_four_ways() {
     let stop = |text: &str| ok(text).interfaces[2].semi_diameter;
     assert_eq!(stop(&with("ENPD 8.0", "FLOA")), 7.0);
     let by_pupil = stop(LENS);
-    // The f-number and the pupil's diameter are reciprocal: half the number gives twice the size.
+    // The f-number is inversely proportional to the pupil's diameter: half the f-number gives twice the size.
     let sizes = ["FNUM 4 0", "FNUM 2 0"].map(|fnumber| stop(&with("ENPD 8.0", fnumber)));
     assert!((sizes[1] / sizes[0] - 2.0).abs() < 1e-12);
     assert_eq!(ok(&with("ENPD 8.0", "FNUM 4 0")).stated.fnumber, Some(4.0));
-    // Seen from an object 100 mm in front of the lens, the pupil's edge is 4 mm off axis, at the pupil's distance.
+    // As seen from an object 100 mm in front of the lens, the edge of the pupil is 4 mm off the axis, at the pupil's
+    // distance.
     let near = with("DISZ INFINITY", "DISZ 95");
     let by_na = |na: f64| stop(&near.replace("ENPD 8.0", &format!("OBNA {na} 0")));
     let pupil = by_na(0.03).mul_add(4.0 / by_pupil, 0.0) / (0.03 / (1.0_f64 - 0.0009).sqrt());
@@ -115,7 +117,7 @@ fn surfaces_without_a_size_get_one_from_rays_or_are_refused() {
         "{:?}",
         derived.remarks
     );
-    // The stop's edge and 10 degrees of field give a size slightly larger than the stop's.
+    // The size covers the stop's edge and 10 degrees of field, and is therefore slightly larger than that of the stop.
     let ratio = derived.interfaces[3].semi_diameter / derived.interfaces[2].semi_diameter;
     assert!((1.0..1.3).contains(&ratio), "{ratio}");
     let without = with("  DIAM 4 1\nSURF 7", "SURF 7").replace("  STOP\n", "");
@@ -152,25 +154,25 @@ fn configurations_are_positions() {
 
 #[test]
 fn numbers_of_a_glass_count_for_model_glasses_alone() {
-    // The numbers belong to a previous glass.
+    // The numbers belong to a previous glass, not to N-BK77.
     let stale = with("N-BK7 0 0 1.5 40", "N-BK77 3 0 1.6 40");
     refused(&stale, "26:8", &["\"N-BK77\" is not known", "nearest that is known is N-BK7", "glass_catalog"]);
     refused(&stale, "26:8", &["that n_d is 1.6 counts only with 1, a model glass, for the solve code 3"]);
     for code in ["0", "2"] {
         refused(&stale.replace("N-BK77 3", &format!("N-BK77 {code}")), "26:8", &["\"N-BK77\" is not known"]);
     }
-    // With code 1 the user selects the numbers, and the name is kept.
+    // With code 1 the numbers define the glass, and the name is kept.
     let lens = ok(&stale.replace("N-BK77 3", "N-BK77 1"));
     assert_eq!(lens.interfaces[0].medium, Medium::Glass { n_d: 1.6, abbe: Some(40.0) });
     assert_eq!((lens.glasses[0].0.as_str(), lens.glasses[0].1.medium), ("N-BK77", lens.interfaces[0].medium));
     assert_eq!(lens.remarks, [""; 0]);
-    // A known substitute is the glass of its name, without a warning about the numbers.
+    // A known substitute glass is the glass of its name, without a warning about the numbers.
     let substitute = ok(&with("N-BK7 0 0 1.5 40", "N-BK7 3 0 1.6 40"));
     assert_eq!((substitute.interfaces, substitute.remarks), (ok(LENS).interfaces, vec![]));
     let other = ok(&with("N-BK7 0 0 1.5 40", "N-BK7 0 0 1.6 40"));
     assert_eq!(other.interfaces[0].medium, ok(LENS).interfaces[0].medium);
     assert!(other.remarks[0].contains("N-BK7: the file gives another n_d or V"), "{:?}", other.remarks);
-    // 1.5 and 40 are written by programs that do not store the numbers.
+    // The numbers 1.5 and 40 are written by programs that do not store the numbers of a glass.
     let nothing = with("N-BK7 0 0", "N-BK77 0 0");
     refused(&nothing, "26:8", &["\"N-BK77\" is not known", "give it as \"glass_catalog\""]);
     let catalogue = "CC made up\nNM N-BK77 2 517642 1.5168 64.17 0\nCD 1.03961212 6.00069867E-3 0.231792344 2.00179144E-2 \
@@ -203,7 +205,7 @@ fn the_primary_wavelength_is_the_lenss() {
     assert_eq!(of(lines).wavelength, Some(486.1));
     assert_eq!(of("WAVL 0.4861 0.58756 0.6563\nPWAV 2\n").wavelength, Some(587.56));
     assert_eq!(of("WAVL 0.5 0.6\nWAVN 5.001E-001 0.6001\nPWAV 1\n").wavelength, Some(500.1));
-    // The pupil's size depends on that wavelength.
+    // The size of the pupil depends on the primary wavelength.
     let stop = |lines: &str| of(lines).interfaces[2].semi_diameter;
     assert!(stop("WAVM 1 1.0 1\nPWAV 1\n") > stop("WAVM 1 0.4 1\nPWAV 1\n"));
     let wrong = |lines: &str, at: &str, parts: &[&str]| refused(&with("GCAT SCHOTT\n", lines), at, parts);
@@ -275,7 +277,7 @@ fn coatings_are_known_by_their_names() {
     let [bare, one, three] = [Coating::Bare, Coating::QuarterWave, Coating::ThreeLayer].map(at);
     assert_eq!(lens.coatings, Some(vec![one, bare.clone(), bare.clone(), three, bare]));
     assert_eq!(lens.remarks, [""; 0]);
-    // An unknown coating, and one on a surface without glass.
+    // An unknown coating, and a coating on a surface without glass.
     let lens = ok(&with("  TYPE STANDARD\n  CURV 0.05", "  COAT I.95\n  CURV 0.05").replacen(
         "  STOP\n",
         "  STOP\n  COAT AR\n",
