@@ -45,7 +45,8 @@ impl SensorResponse for Energy {
     }
 }
 
-/// A response that is uniform over the film, as a table by wavelength: linear between its rows and 0 outside them.
+/// A response that is uniform over the film, given by a table over wavelength: linear between the rows and 0 outside
+/// them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResponseTable {
     rows: Vec<(f64, f64)>,
@@ -112,7 +113,7 @@ struct Band {
     camera: Camera,
 }
 
-/// Cameras ready to measure with: one for each band of wavelengths.
+/// Cameras for a measurement, one for each band of wavelengths.
 #[derive(Debug)]
 pub struct Measurement {
     bands: Vec<Band>,
@@ -242,7 +243,8 @@ mod tests {
             [("model", "thick"), ("fnumber", "8"), ("shutter_open", "1.25"), ("shutter_close", "1")];
         let backward = measurement(&backward, 1).expect("a camera");
         assert_eq!(backward.response([15, 10], 4096, &Energy, |_, _| 2.0), energy);
-        // On the axis of a thick lens focused at infinity, the exit pupil's edge has an angle of sine 1/(2 N).
+        // On the axis of a thick lens focused at infinity, a ray from the exit pupil's edge makes an angle with the
+        // axis whose sine is 1/(2 N).
         let disk = std::f64::consts::PI / 256.0;
         assert!((irradiance / (2.0 * 300.0 * disk) - 1.0).abs() < 2e-3, "{irradiance}");
         assert_eq!((band.wavelength, band.width), (550.0, 300.0));

@@ -10,7 +10,7 @@ pub fn spread<const N: usize>(shift: f64) -> impl Iterator<Item = [f64; N]> {
 
 /// Returns the powers of 1/g, the steps of the coordinates.
 pub fn steps<const N: usize>() -> [f64; N] {
-    // The iteration's error shrinks by more than a factor of 1/(N + 1) each time.
+    // Every iteration reduces the error by more than a factor of N + 1.
     let g = (0..60).fold(1.5_f64, |g, _| (g + 1.0).powf(1.0 / (N as f64 + 1.0)));
     std::array::from_fn(|i| g.powi(-(i as i32 + 1)))
 }
