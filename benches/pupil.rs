@@ -66,7 +66,7 @@ fn main() {
     }
 }
 
-/// Distances from the end of the image, relative to its radius.
+/// Distances of film points from the end of the image, relative to the image's radius.
 const PARTS: [f64; 7] = [3e-2, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4];
 
 fn near_end(case: &Case, end: f64) -> Vec<String> {

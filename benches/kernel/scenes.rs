@@ -1,4 +1,4 @@
-//! Lenses, and rays from their film that pass.
+//! Lenses, and rays that pass them from their film.
 
 use realistic_camera::sampling::PupilDisk;
 use realistic_lab::{
