@@ -8,7 +8,7 @@
 
 namespace pbrt {
 
-// All code specific to the lens is in lens_camera.cpp, so that its changes do not recompile pbrt's files.
+// All code specific to the lens is in lens_camera.cpp, so that changes to it do not recompile pbrt's files.
 class LensCamera : public CameraBase {
   public:
     struct Lens;
