@@ -1,7 +1,7 @@
 //! Seed inputs of the fuzzer (`fuzz/README.md`): lens files of every form, and options and samples of cameras that
 //! build, in the byte format that `fuzz/bodies/c_abi` decodes.
 //!
-//! `REALISTIC_WRITE_SEEDS=DIR cargo test --test abi seeds` writes them to `DIR/lens_text` and `DIR/c_abi`.
+//! `REALISTIC_WRITE_SEEDS=DIR cargo test --test abi seeds` writes the inputs to `DIR/lens_text` and `DIR/c_abi`.
 
 use super::fuzz_bodies::{c_abi, lens_text};
 
@@ -95,7 +95,7 @@ impl Writer {
 /// A camera, as indices into the lists of `options`.
 #[derive(Clone, Default)]
 struct Seed {
-    /// Words for lens, weighting, pupil, disk, refraction, precision and shutter; `None` if not given.
+    /// Words for lens, weighting, pupil, disk, refraction, precision and shutter; `None` for a word that is not given.
     words: [Option<usize>; 7],
     /// Some of the 14 numbers, with their index in the list.
     numbers: Vec<(usize, f64)>,
@@ -139,7 +139,7 @@ impl Seed {
             [0.0, 1.0].iter().for_each(|&time| to.number(time));
             (0..12).for_each(|entry| to.float(if entry == 3 { 0.5 } else { 0.0 }));
         }
-        // Neither zoomed nor focused by its groups.
+        // The lens is neither zoomed nor focused by its groups.
         to.choice(1);
         to.choice(usize::from(self.blades.is_none()));
         if let Some(blades) = self.blades {
@@ -170,8 +170,8 @@ impl Seed {
         to.0
     }
 
-    /// Writes strides, wavelengths, importance and a crop window: one of the four in turn, and all of them for the
-    /// first camera.
+    /// Writes strides, wavelengths, importance or a crop window: one of the four in turn, and all four for the first
+    /// camera.
     fn newer(&self, number: usize, to: &mut Writer) {
         let asks = |which: usize| number == 0 || number % 4 == which;
         let mut parts = (0..).map(|i: u32| (0.569_840_290_998_053 * f64::from(i + 1)).fract());
@@ -203,7 +203,7 @@ impl Seed {
         let mut all = vec![plain.clone()];
         for (index, count) in [6, 4, 3, 3, 3, 3, 3].into_iter().enumerate() {
             for word in 0..count {
-                // Word 4 is not a catalogue name: "@1e9mm" is a scale, "@mm" is not.
+                // Word 4 is no catalogue name: "@1e9mm" is a scale, but "@mm" is not.
                 if (index, word) != (0, 4) {
                     let mut seed = plain.clone();
                     seed.words[index] = Some(word);

@@ -28,7 +28,7 @@ fn camera_of(host: &Host, given: &[(&str, &str)]) -> Camera {
     Camera::build(&parameters, host, &mut |_, _| ()).unwrap_or_else(|error| panic!("{given:?}: {error}"))
 }
 
-/// Parameters of cameras: each kind of lens, pupil, weighting, stop and focus.
+/// Parameters of cameras, which include each kind of lens, pupil, weighting, stop and focus.
 const CAMERAS: [&[(&str, &str)]; 27] = [
     &[],
     &[("weighting", "assignment")],

@@ -14,7 +14,7 @@ const STEPS: [f64; 6] = [
     0.526_730_322_473_113_2,
 ];
 
-/// Returns the numbers of a sample, with a shift common to a replicate.
+/// Returns the numbers of a sample, shifted by the same amount within a replicate.
 pub fn numbers(index: usize, replicate: usize) -> [f64; 6] {
     let mut random = Random::new(replicate as u64);
     std::array::from_fn(|axis| (random.next() + index as f64 * STEPS[axis]).fract())

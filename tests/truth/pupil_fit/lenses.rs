@@ -1,5 +1,5 @@
-//! Random cameras that nothing is tuned to: the catalogue's designs with other radii, thicknesses and apertures, and
-//! arbitrary lenses that pass the checks of a lens file; films, stops and focus distances of any kind.
+//! Random cameras to which nothing is tuned: the catalogue's designs with other radii, thicknesses and apertures, and
+//! arbitrary lenses that pass the checks of a lens file; with films, stops and focus distances of any kind.
 
 use std::fmt::Write;
 
