@@ -83,7 +83,8 @@ fn measure(case: &Case, verbose: bool) -> Found {
     let (mut light, mut passing, mut least) = (0.0, 0.0, (1.0, 0.0));
     let (mut inner, mut outer, mut all) = (0.0_f64, 0.0_f64, Vec::new());
     for (part, field) in &fields {
-        // `missed` is a share of the whole pupil; dividing by the rest makes it relative to the light found.
+        // `missed` is a share of the whole pupil; dividing it by the remaining share makes it relative to the light
+        // found.
         let missed = field.missed / (1.0 - field.missed).max(f64::MIN_POSITIVE) * field.light / axis;
         let missed = if field.light > 0.0 { missed } else { 0.0 };
         if verbose {

@@ -1,5 +1,5 @@
-//! A soak test of the C ABI: random lenses in random cameras, random bits in samples, and the header's promises
-//! checked on each ray.
+//! A soak test of the C ABI: it generates random lenses in random cameras and samples of random bits, and checks the
+//! header's promises on each ray.
 //!
 //! ```text
 //! cargo run --release -p realistic-lab --example soak [RAYS [SEED]]      # default: 1e9 rays

@@ -1,4 +1,5 @@
-//! Direct light and ghosts of the library against photons of all orders of reflection: the energy balance of a lens.
+//! Direct light and ghosts of the library against photons of all orders of reflection, and the energy balance of a
+//! lens.
 
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;

@@ -63,8 +63,8 @@ pub struct FieldPoint {
     pub height: f64,
     /// Measured irradiance relative to that on the axis.
     pub measured: f64,
-    /// Relative irradiance from a grid of rays: the fourth power of the cosine, integrated over the
-    /// vignetted pupil.
+    /// Relative irradiance from a grid of rays: the integral of the fourth power of the cosine over the vignetted
+    /// pupil.
     pub computed: f64,
 }
 

@@ -120,8 +120,8 @@ pub struct Measurement {
 }
 
 impl Measurement {
-    /// Builds a camera of `parameters` for the middle of each of `bands` equal bands of wavelengths from `from` to `to`
-    /// nm; a `wavelength` among the parameters is replaced. `log` receives the first camera's warnings.
+    /// Builds a camera of `parameters` for the middle of each of `bands` equal bands of wavelengths between `from` and
+    /// `to` nm; a `wavelength` among the parameters is replaced. `log` receives the first camera's warnings.
     ///
     /// # Errors
     /// There are no bands, a camera cannot be built, or its weights are not irradiance.

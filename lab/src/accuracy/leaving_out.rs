@@ -36,7 +36,8 @@ pub struct Saving {
     pub asked: Asked,
     /// The model and the precision with which the camera traces.
     pub tracing: Tracing,
-    /// The plan's error estimate, a bound on the 99.9 % quantile, pixels; `None` if single precision was requested.
+    /// The plan's estimate of the 99.9 % quantile of the error, an upper bound, pixels; `None` if single precision was
+    /// requested.
     pub pixels: Option<f64>,
     /// Time per ray with everything kept, seconds: in the precision requested, or in double precision if a tolerance
     /// was requested.

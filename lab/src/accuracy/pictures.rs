@@ -151,8 +151,8 @@ pub fn measure(subject: &Subject, size: Size) -> Result<Pictures, CameraError> {
 /// Renderers that are run twice.
 const AGAIN: [&str; 3] = ["blocks f32, warped", "f32, warped", "f64, warped"];
 
-/// Returns the earlier renderer that also requests rays in blocks and has exactly the same errors: the planner chose
-/// the exact trace, so both are one method.
+/// Returns the earlier renderer that also requests rays in blocks and has exactly the same errors. Its errors are the
+/// same because the planner chose the exact trace, so both renderers are one method.
 fn same_picture<'a>(before: &'a mut [Curve], name: &str, own: &Curve) -> Option<&'a mut Curve> {
     let errors = |curve: &Curve| curve.points.iter().map(|point| point.error.to_bits()).collect::<Vec<_>>();
     let in_blocks = |name: &str| name.starts_with("blocks");

@@ -28,7 +28,7 @@ pub struct RayErrors {
     pub direction: Spread,
     /// Distance of the exact point on the front surface from the ray, mm.
     pub position: Spread,
-    /// Distance on film between the point that the ray images and its own film point, pixels: see
+    /// Distance on film, pixels, between the ray's own film point and the film point that the method's ray images: see
     /// [`ImageScale`](realistic_trace::image_scale::ImageScale).
     pub pixels: Spread,
     /// Samples tested.
@@ -45,7 +45,8 @@ impl RayErrors {
         (self.lost + self.leaked) as f64 / self.samples as f64
     }
 
-    /// Whether `other` has exactly the same errors: the same rays, by other instructions or other calls.
+    /// Whether `other` has exactly the same errors, because it traces the same rays by other instructions or other
+    /// calls.
     pub fn is_equal(&self, other: &Self) -> bool {
         let errors = |m: &Self| {
             let spreads = [m.direction, m.position, m.pixels];

@@ -1,5 +1,5 @@
-//! Sources of camera rays, compared by the pictures rendered with them: cameras of the library, and models of a
-//! lens with a sampled pupil.
+//! Sources of camera rays, which are compared by the pictures rendered with them: cameras of the library, and models of
+//! a lens with a sampled pupil.
 
 use crate::columns::{RayColumns, SampleColumns};
 use crate::{

@@ -1,5 +1,5 @@
-//! Comparison of the refraction formulas: the number of operations, counted by evaluating each on a counting
-//! type, the run time, and the error against the reference.
+//! Comparison of the refraction formulas by the number of operations, counted by evaluating each formula on a counting
+//! type; by the run time; and by the error against the reference.
 
 use std::cell::Cell;
 use std::hint::black_box;

@@ -197,8 +197,8 @@ impl Results {
         ]
     }
 
-    /// Returns the ratios below which two results are a tie: the differences between two measurements of the same
-    /// method in this run.
+    /// Returns the ratios below which two results are a tie; they follow from the differences between two measurements
+    /// of the same method in this run.
     pub fn ties(&self) -> Ties {
         let ratio = |a: f64, b: f64| (a / b).max(b / a);
         let rays = self.ray_map.iter().chain(&self.stopped_down);

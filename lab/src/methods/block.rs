@@ -31,7 +31,7 @@ pub trait Runner {
 pub type Prepared = Option<Box<dyn Runner>>;
 
 /// Prepares a method for a block of rays. Polynomials test the given apertures, numbered from the scene; first-order
-/// optics tests none.
+/// optics tests no apertures.
 pub fn prepare(method: &Method, subject: &Subject, apertures: &[usize], rays: &[Ray]) -> Prepared {
     match (method.number, method.algorithm) {
         (Number::F32, algorithm) => prepare_in::<f32>(algorithm, subject, apertures, rays),

@@ -103,8 +103,8 @@ impl Outline {
     }
 }
 
-/// Integrates area and irradiance of a star-shaped region: the trapezoidal rule in angle, Simpson's rule along each
-/// radius.
+/// Integrates area and irradiance of a star-shaped region, by the trapezoidal rule in angle and Simpson's rule along
+/// each radius.
 fn integrals(center: [f64; 2], radii: &[f64]) -> (f64, f64) {
     const PARTS: u32 = 64;
     let step = TAU / radii.len() as f64;
@@ -254,8 +254,8 @@ mod tests {
 
     #[test]
     fn irradiance_is_that_of_a_grid_and_exact_on_the_axis() {
-        // The telephone's lens is excluded: its pupil is a ten-thousandth of the rear element's disk, in which the grid
-        // has only a few points.
+        // The telephone's lens is excluded: its pupil is a ten-thousandth of the rear element's disk, so the grid has
+        // only a few points in the pupil.
         for name in catalogue::names().filter(|name| *name != "phone.4mm") {
             let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
             // The shortest lenses illuminate less film.

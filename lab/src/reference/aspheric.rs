@@ -106,8 +106,8 @@ impl Aspheric {
         [x, y, if self.sign > 0.0 { z } else { -z }]
     }
 
-    /// Returns Σ |`A_i`| r^i and Σ i |`A_i`| r^(i - 1): the shift and the tilt of the surface per relative rounding
-    /// error of its terms.
+    /// Returns Σ |`A_i`| r^i and Σ i |`A_i`| r^(i - 1), which are the shift and the tilt of the surface per relative
+    /// rounding error of its terms.
     pub fn rounding(&self, r: f64) -> [f64; 2] {
         terms(&self.figure.asphere).fold([0.0; 2], |[moved, tilted], (power, term)| {
             [moved + term.abs() * r.powi(power), tilted + f64::from(power) * term.abs() * r.powi(power - 1)]

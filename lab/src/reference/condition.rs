@@ -1,11 +1,11 @@
 //! The condition number of the ray map: the amplification of rounding errors by a lens.
 //!
-//! Any tracer that rounds disturbs the ray a little at every interface. The most that it can achieve is *backward
+//! Any tracer that rounds disturbs the ray slightly at every interface. The best property that it can have is *backward
 //! stability*: its result is the exact result of a ray disturbed by about ε at the entry and at every interface.
 //! Therefore the disturbances are propagated through the exact Jacobian of each interface (dual numbers: W. K.
 //! Clifford, "Preliminary sketch of biquaternions", 1871; A. Griewank and A. Walther, *Evaluating Derivatives*, 2008,
-//! §3.1) and summed as independent ones (N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, §1.5 and
-//! §3.8).
+//! §3.1) and summed as independent disturbances (N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, 2002,
+//! §1.5 and §3.8).
 //!
 //! **The norms.** A disturbance of size 1 is one radian in direction. In position it is, in each component, the point's
 //! own distance from the vertex, which is the size of rounding errors in the point's coordinates ([`Trail::own`], for
@@ -48,7 +48,8 @@ pub struct Trail {
 /// Growth of disturbances along a ray.
 #[derive(Clone, Copy, Debug)]
 pub struct Condition {
-    /// Condition number in direction, rad per unit; for a blocked ray, up to the point where it is blocked.
+    /// Condition number in direction, rad per unit; for a blocked ray, that of the path up to the point where the ray
+    /// is blocked.
     pub direction: f64,
     /// Condition number in position, mm per unit.
     pub position: f64,
@@ -277,8 +278,8 @@ impl Interface {
         self.curvature == 0.0 && self.aspheric.is_none() && self.index_step == 0.0
     }
 
-    /// Returns the ray after the interface, in any number type: through a sphere or a plane by a path, through an
-    /// asphere at the crossing found.
+    /// Returns the ray after the interface, in any number type. A path traces it through a sphere or a plane; an
+    /// asphere is crossed at the given crossing.
     fn through<R: Real>(
         &self,
         path: &Path<R>,

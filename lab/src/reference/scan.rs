@@ -263,8 +263,8 @@ impl ScannedRay {
         std::array::from_fn(|i| self.point[i] + t * self.direction[i])
     }
 
-    /// Returns the interval in which the squared distance from the axis is below `end`; `None` if it always is, and an
-    /// empty interval if it never is.
+    /// Returns the interval in which the squared distance from the axis is below `end`: `None` if the distance is
+    /// always below, and an empty interval if it never is.
     fn inside(&self, end: f64) -> Option<[f64; 2]> {
         if end.is_infinite() || (self.across == 0.0 && self.u <= end) {
             return None;

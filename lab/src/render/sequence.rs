@@ -36,7 +36,8 @@ impl Sequence {
         ("R2", Self::Recurrence),
     ];
 
-    /// Fills the first `dimensions` (2 or 4) coordinates of every point; another `seed` gives independent points.
+    /// Fills the first `dimensions` (2 or 4) coordinates of every point; another `seed` gives points independent of
+    /// these.
     pub fn fill(self, seed: u32, dimensions: usize, points: &mut [Point]) {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(seed.into());
         match self {

@@ -119,7 +119,8 @@ mod tests {
 
     #[test]
     fn what_saves_less_than_a_tie_is_not_on_the_front() {
-        // The second is more accurate than the first and costs 5 % more; the last three are each 9 % from the next.
+        // The second point is more accurate than the first and costs 5 % more; each of the last three costs 9 % more
+        // than the one before.
         let points = [(1.0, 9.0), (1.05, 5.0), (2.0, 3.0), (2.18, 2.0), (2.38, 1.0)];
         assert_eq!(pareto_front(&points, 1.1), [false, true, true, false, true]);
         assert_eq!(pareto_front(&points, 1.0), [true; 5]);

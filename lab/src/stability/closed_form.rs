@@ -81,8 +81,8 @@ pub fn aplanatic_meniscus() -> Vec<Case> {
 /// Concentric shells: n r sin I is constant (Bouguer's formula, Born and Wolf, section 3.2.1), and each
 /// shell turns the direction by I - I'.
 pub fn shells() -> Vec<Case> {
-    // Luneburg's n² = 2 - r² in many thin steps (R. K. Luneburg, *Mathematical Theory of Optics*, section
-    // 28), and a few strong shells; all outer radii are distances from the centre.
+    // The shells are Luneburg's n² = 2 - r² in many thin steps (R. K. Luneburg, *Mathematical Theory of Optics*,
+    // section 28), and a few strong shells; all outer radii are distances from the centre.
     let luneburg = |count: u32, radius: f64| -> Vec<(f64, f64)> {
         (0..count)
             .map(|i| {

@@ -1,4 +1,4 @@
-//! Cases of one and two interfaces whose answer the reference gives: curvature, the edges of hemispheres, critical
+//! Cases of one and two interfaces whose answer the reference gives: extreme curvatures, edges of hemispheres, critical
 //! angles, index steps and gaps.
 
 use realistic_optics::trace::{

@@ -33,10 +33,10 @@ pub use tracers::{BOUND, TracerUnderTest, tracers};
 /// Extent of the random part; the named cases always run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Extent {
-    /// Number of random lenses of each kind that are compared with the reference, with a hundred rays each; they are
-    /// numbered from 0.
+    /// Number of random lenses of each kind, numbered from 0, that are compared with the reference with a hundred rays
+    /// each.
     pub lenses: u64,
-    /// Number of random lenses in cameras, with [`RAYS_EACH`] rays each; they are numbered from 0.
+    /// Number of random lenses in cameras, numbered from 0, with [`RAYS_EACH`] rays each.
     pub cameras: u64,
 }
 

@@ -64,7 +64,7 @@ pub fn lens_text(random: &mut Random) -> String {
             random.random_range(1.4..2.0)
         };
         in_air = air_behind;
-        // Infallible: writing to a string cannot fail.
+        // Writing to a string cannot fail.
         let _ = writeln!(text, "{radius:e} {thickness:e} {index:e} {:e}", 2.0 * semi);
     }
     text
@@ -136,7 +136,7 @@ pub fn aspheric_lens_text(seed: u64) -> String {
         let radius = if random.random_bool(0.5) { radius } else { -radius };
         let index = if row % 2 == 0 { random.random_range(1.4..1.9) } else { 1.0 };
         let thickness = if row + 1 == rows { 0.0 } else { widest * random.random_range(0.05..0.8) };
-        // Infallible: writing to a string cannot fail.
+        // Writing to a string cannot fail.
         let _ = writeln!(text, "{radius:e} {thickness:e} {index:e} {:e}", 2.0 * semi);
         if !is_asphere {
             continue;

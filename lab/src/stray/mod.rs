@@ -1,5 +1,5 @@
-//! The fate of the light that enters a lens, by brute force: photons that every surface randomly reflects or transmits,
-//! in any order of surfaces, until they reach the film, leave, or end at the barrel.
+//! The fate of the light that enters a lens, by brute force. Every surface randomly reflects or transmits photons, in
+//! any order of surfaces, until they reach the film, leave the lens, or end at the barrel.
 //!
 //! This trace shares nothing with the library but the surfaces' data: rays are vectors, each photon has an electric
 //! field in space, and the amplitudes of a surface follow Airy's sum. It includes all orders of reflection, and so
@@ -224,8 +224,8 @@ fn hit(at: V, d: V, c: f64, vertex: f64) -> Option<V> {
     (root.is_finite() && t > -1e-9).then(|| std::array::from_fn(|k| at[k] + t * d[k]))
 }
 
-/// Returns the sagitta of an asphere at a distance from the axis, positive toward the film, and its slope there: the
-/// conic c r²/(1 + √(1 - (1 + k) c² r²)) and the terms of r^i.
+/// Returns the sagitta of an asphere at a distance from the axis, positive toward the film, and the slope there. The
+/// sagitta is the conic's c r²/(1 + √(1 - (1 + k) c² r²)) plus the terms of r^i.
 fn sag(asphere: &Asphere, r: f64) -> [f64; 2] {
     let c = if asphere.radius.is_finite() { asphere.radius.recip() } else { 0.0 };
     let root = (1.0 - (1.0 + asphere.conic) * c * c * r * r).sqrt();

@@ -41,7 +41,8 @@ impl<'a> CameraSamples<'a> {
         Self::of(subject, SampledPupil::Warped(Box::new(subject.warped_pupil())))
     }
 
-    /// Samples the rear element's disk, as a camera with `pupil=rear`: the lens's own apertures cause the vignetting.
+    /// Samples the rear element's disk, as a camera with `pupil=rear` does, so that the lens's own apertures cause the
+    /// vignetting.
     pub fn of_rear(subject: &'a Subject) -> Self {
         Self::of(subject, SampledPupil::Rear(subject.rear))
     }

@@ -1,4 +1,4 @@
-//! Rays from a film in the kernels' batch form, and their results: converts single [`Ray`]s to the arrays of
+//! Rays from a film in the kernels' batch form, and their results. Converts single [`Ray`]s to the arrays of
 //! [`PlaneRays`] and [`LensRays`], and back. Timings, fits and tests of batches hold their rays here.
 
 use realistic_optics::trace::{Ray, Real};

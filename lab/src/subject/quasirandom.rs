@@ -1,8 +1,8 @@
 //! Quasi-random points, spread evenly over the unit cube.
 
-/// Returns points of the `N`-dimensional unit cube, nearly evenly spread: the additive recurrence whose steps
-/// are the powers of 1/g, where g > 1 and g^(N + 1) = g + 1 (M. Roberts, "The Unreasonable Effectiveness of
-/// Quasirandom Sequences", 2018). Another `shift` gives other points.
+/// Returns points of the `N`-dimensional unit cube, nearly evenly spread, by the additive recurrence whose steps are
+/// the powers of 1/g, where g > 1 and g^(N + 1) = g + 1 (M. Roberts, "The Unreasonable Effectiveness of Quasirandom
+/// Sequences", 2018). Another `shift` gives other points.
 pub fn spread<const N: usize>(shift: f64) -> impl Iterator<Item = [f64; N]> {
     let steps = steps();
     (0_u32..).map(move |number| steps.map(|step| (shift + (f64::from(number) + 0.5) * step).fract()))

@@ -20,8 +20,8 @@ impl<'a> Contest<'a> {
         }
     }
 
-    /// Prints each contestant's median and lower quartile per unit of work, in ns, and its speed-up over the
-    /// first; each contestant does `work` units. Returns the times per unit.
+    /// Prints each contestant's median and lower quartile of the time per unit of work, in ns, and its speed-up over
+    /// the first contestant; each contestant does `work` units. Returns the times per unit.
     pub fn print(self, unit: &str, work: usize, effort: Effort) -> Vec<Timing> {
         println!("| {unit} | median | lower quartile | times the first |\n|---|---|---|---|");
         let timings: Vec<Timing> =

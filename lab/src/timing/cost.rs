@@ -1,5 +1,5 @@
-//! The set-up cost of a lens: the times to build a camera from its text and to find the first direction toward the
-//! camera.
+//! The set-up cost of a lens: the time to build a camera from the lens's text, and the time to find the first direction
+//! toward the camera.
 
 use realistic_camera::{Aimed, Camera, Host, Parameters, Raster, ScenePoint};
 
