@@ -1,5 +1,5 @@
-//! Benchmarks the warped pupil: its fit, and the times to build and sample it, for the catalogue's
-//! lenses and stops: `cargo bench --bench pupil`. Times are medians and minima of several runs.
+//! Benchmarks the warped pupil: its fit, and the times to build and to sample it, for the catalogue's lenses at several
+//! stops: `cargo bench --bench pupil`. Times are medians and minima of several runs.
 
 #[path = "../tests/truth/pupil_fit/mod.rs"]
 mod pupil_fit;

@@ -165,9 +165,9 @@ fn aimed(adjoint: &AdjointCamera, target: &Target, set: u32, count: usize) -> Ve
     found
 }
 
-/// Estimates the integral of importance over directions from a point twice: by directions toward the lens, and by
-/// directions independent of the pupil. The latter fill a cone that contains all of the front surface, or the whole
-/// sphere; their density increases toward the camera's own ray as 1/(1 - cos θ + `narrow`).
+/// Estimates the integral of importance over directions from a point in two ways: by directions toward the lens, and by
+/// directions independent of the pupil. The second kind of directions fills a cone that contains the whole front
+/// surface, or the whole sphere; its density increases toward the camera's own ray as 1/(1 - cos θ + `narrow`).
 fn light(camera: &Camera, target: &Target, set: u32, part: usize) -> [f64; 2] {
     let adjoint = camera.adjoint().expect("a lens has importance");
     let aimed = aimed(adjoint, target, set, AIMED / part);

@@ -79,7 +79,7 @@ impl LongLens {
             if let Some((terms, conic)) = asphere {
                 let terms: String =
                     terms.iter().enumerate().map(|(i, term)| format!(" A{}={term:e}", 4 + 2 * i)).collect();
-                // Infallible: writing to a string cannot fail.
+                // Writing to a string cannot fail.
                 let _ = writeln!(text, "asphere {} conic={conic}{terms}", number + 1);
             }
         }

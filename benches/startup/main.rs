@@ -2,8 +2,8 @@
 //! maximum number of interfaces in a file, from random valid ones to relays designed to be slow. It also builds the
 //! cameras of an animation, each from scratch and each from the previous one.
 //!
-//! `cargo bench --bench startup` (`-- dgauss`: one lens of the catalogue; `-- --catalogue`, `-- --long` or `--
-//! --animation`: one part; `-- --test`: a minimal run). Times are CPU times of the thread. `REALISTIC_SIMD=avx2`
+//! `cargo bench --bench startup` (`-- dgauss`: one lens of the catalogue; `-- --catalogue`, `-- --long` or
+//! `-- --animation`: one part; `-- --test`: a minimal run). Times are CPU times of the thread. `REALISTIC_SIMD=avx2`
 //! measures narrower registers.
 
 mod animation;

@@ -18,7 +18,7 @@ from typing import Any
 import bpy
 
 FLOOR = -155.0
-# Width of a 3:2 film with a diagonal of 35 mm, and distance of the card from the front vertex, mm.
+# Width of a 3:2 film with a diagonal of 35 mm; and distance of the card from the front vertex; both in mm.
 FILM_WIDTH, DISTANCE = 29.12, 1000.0
 CORAL, TEAL, AMBER = (0.66, 0.11, 0.07), (0.02, 0.33, 0.35), (0.76, 0.39, 0.05)
 PLUM, CREAM, LEAF = (0.30, 0.08, 0.34), (0.76, 0.70, 0.60), (0.15, 0.36, 0.08)
@@ -196,7 +196,7 @@ def sky(world: Any) -> None:
         return node.outputs[2]
 
     height = calculated("MAXIMUM", split.outputs[1], 0.0)
-    # e to the -6.5 h.
+    # The power is e to the -6.5 h.
     falling = calculated("POWER", 0.0015034391929775724, height)
     low = mixed(calculated("SUBTRACT", 1.0, falling), (0.93, 0.42, 0.23), (0.09, 0.14, 0.38))
     colour = mixed(calculated("MULTIPLY", height, 1.6, clamp=True), low, (0.06, 0.10, 0.26))

@@ -173,7 +173,7 @@ def main(lens: str, out: str, width: int = 480, height: int = 320, samples: int 
     sensor = {
         "type": "realistic",
         "lens_file": lens,
-        # Distance of the card from the film.
+        # The distance of the card is measured from the film.
         "focus_distance": 1071.0,
         "film": {"type": "hdrfilm", "width": width, "height": height, "rfilter": {"type": "box"}},
         "sampler": {"type": "multijitter", "sample_count": samples},

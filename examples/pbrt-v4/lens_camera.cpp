@@ -1,9 +1,9 @@
 // The implementation of LensCamera: pbrt-v4's samples, rays and importance by the C ABI (include/realistic.h). README.md
 // states how to add it to pbrt-v4. MIT OR Apache-2.0.
 //
-// The lens's camera space is pbrt's camera space: +z forward, +x right, +y up. pbrt's own transform takes the rays from
-// there to the scene, and so handles a moving camera. The lens's shutter is open from 0 to 1, the fraction of pbrt's
-// interval.
+// The lens's camera space is pbrt's camera space: +z forward, +x right, +y up. pbrt's own transform maps the rays from
+// camera space to the scene, and so handles a moving camera. The lens's shutter times are 0 to 1, as fractions of
+// pbrt's interval.
 
 #include <pbrt/cameras.h>
 
@@ -62,7 +62,7 @@ void Tell(void *loc, int32_t level, const char *message) {
         Warning(static_cast<const FileLoc *>(loc), "%s", message);
 }
 
-// Returns a request for a ray at one wavelength, or at the camera's own if NULL.
+// Returns a request for a ray at one wavelength, or at the camera's own wavelength if the pointer is NULL.
 realistic_request RequestFor(const float *wavelength) {
     realistic_request request = {};
     request.struct_size = sizeof request;

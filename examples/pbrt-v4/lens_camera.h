@@ -1,5 +1,5 @@
-// A camera of pbrt-v4 whose rays pass every surface of a real lens: scenes name it `Camera "lens"`. README.md states how
-// to add it to pbrt-v4. pbrt/cameras.h includes this file after its own cameras: include that one. MIT OR Apache-2.0.
+// A camera of pbrt-v4 whose rays pass every surface of a real lens; scenes name it `Camera "lens"`. README.md states
+// how to add it to pbrt-v4. Include pbrt/cameras.h, which includes this file after its own cameras. MIT OR Apache-2.0.
 
 #ifndef REALISTIC_LENS_CAMERA_H
 #define REALISTIC_LENS_CAMERA_H

@@ -133,7 +133,7 @@ class Lens:
         return Lens(self.name, rows, wavelength)
 
 
-# The partial dispersions of glasses by their Abbe numbers: crates/optics/src/prescription/glass/two_numbers.rs.
+# The partial dispersions of glasses by their Abbe numbers, as in crates/optics/src/prescription/glass/two_numbers.rs.
 _FITTED = (-0.2555, 1.583, -0.2678, 25.43)
 
 

@@ -2,9 +2,9 @@
 
 Writes truth_<lens>.csv (film to scene), truth_scene_<lens>.csv (scene to film) and the synthetic lenses' files.
 
-Lens space: origin at the front vertex of the first interface, +z toward the scene, +x right, +y up, millimetres.
-The lens data are taken as the doubles nearest to the printed decimals, because that is the lens a program that
-parses the file really has; from there on nothing is rounded.
+Lens space: origin at the front vertex of the first interface, +z toward the scene, +x right, +y up, millimetres. The
+lens data are the doubles nearest to the printed decimals, because a program that parses the file has these numbers;
+from there on nothing is rounded.
 
 A ray is evaluated at each interface in this order, and the first verdict stands:
   turned_back  its z-direction no longer leads onward

@@ -34,7 +34,8 @@ fn targets(text: &str) -> Vec<String> {
     prose.split("](").skip(1).filter_map(|rest| Some(rest.split_once(')')?.0.to_owned())).collect()
 }
 
-/// Returns the anchors of a page's headings, as forges make them: lower case, hyphens for spaces, without punctuation.
+/// Returns the anchors of a page's headings, as public forges form them: in lower case, with hyphens for spaces and
+/// without punctuation.
 fn anchors(text: &str) -> Vec<String> {
     let headings = prose(text);
     let headings = headings.lines().filter_map(|line| line.strip_prefix('#'));

@@ -149,9 +149,9 @@ fn terms_that_add_up_to_a_sphere_are_one() {
     }
 }
 
-/// Finds the first crossing of a ray from behind with a surface's profile by dense sampling. Returns the distance of
-/// the ray from the surface at the height of the surface's lowest point, and the crossing; `None` if the ray grazes the
-/// surface or its edge too closely to decide.
+/// Finds, by dense sampling, the first crossing of a ray from behind with a surface's profile. Returns the distance
+/// between the ray and the surface at the height of the surface's lowest point, and the crossing; `None` if the ray
+/// grazes the surface or its edge too closely to decide.
 fn by_brute_force(lens: &Lens, ray: &Ray) -> Option<(f64, Result<[f64; 3], ()>)> {
     const STEPS: u32 = 10_000;
     let front = lens.front();
@@ -298,12 +298,12 @@ fn rays_that_miss_are_blocked_with_the_reason() {
     let oblate = asphere(10.0, 3.0, &[]);
     assert_eq!(trace(oblate, 5.0, [4.9, 0.0, 9.0], down), (2, None));
     assert!(trace(oblate, 5.0, [5.1, 0.0, 9.0], down).1.is_some());
-    // The edge of a paraboloid.
+    // The edge of a paraboloid lies at its clear diameter.
     let paraboloid = asphere(10.0, -1.0, &[]);
     assert_eq!(trace(paraboloid, 5.0, [5.1, 0.0, 9.0], down).1, Some(Blocked::Clipped));
     assert_eq!(trace(paraboloid, 5.0, [4.9, 0.0, 9.0], down), (2, None));
-    // The second sheet of a hyperboloid lies 2 R/|1 + k| = 10 before the vertex, open toward the scene: rays cross it
-    // without refraction, and a ray that starts beyond the first sheet has passed it.
+    // The second sheet of a hyperboloid lies 2 R/|1 + k| = 10 before the vertex and is open toward the scene. Rays
+    // cross it without refraction, and a ray that starts beyond the first sheet has already passed that sheet.
     let hyperboloid = asphere(10.0, -3.0, &[]);
     assert_eq!(trace(hyperboloid, 8.0, [3.0, 0.0, 30.0], down), (2, None));
     assert_eq!(trace(hyperboloid, 8.0, [0.0, 0.0, -1.0], down).1, Some(Blocked::TurnedBack));

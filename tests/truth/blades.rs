@@ -186,7 +186,7 @@ fn a_defocused_light_has_the_shape_of_the_blades() {
     let camera = bladed(blades, &[("fnumber", "4"), ("focus_distance", "2000")]);
     for (plane, turned) in [(1000.0, 0.0), (8000.0, 180.0)] {
         let points = footprint(&camera, plane);
-        // Radius of the footprint by angle from the nearest expected corner.
+        // Radius of the footprint as a function of the angle from the nearest expected corner.
         let mut edge = [0.0_f64; 36];
         for [degrees, radius] in &points {
             let from_corner = (degrees - 31.0 - turned).rem_euclid(72.0);

@@ -1,5 +1,5 @@
-//! The lenses of the catalogue against the statements of their patents, and those with moving groups at every
-//! position: focal length, back focus, f-number by real rays, field of view by real chief rays.
+//! The lenses of the catalogue against the statements of their patents, and the lenses with moving groups at every
+//! position: focal length, back focus, f-number by real rays, and field of view by real chief rays.
 
 use realistic_optics::{
     lens::{Lens, first_order::FirstOrder},

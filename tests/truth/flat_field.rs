@@ -1,5 +1,5 @@
 //! The mean of the weights equals the film's irradiance: in a scene of uniform radiance 1, the integral E(x') = ∫
-//! cos⁴θ'/Z² dA over the rear element is computed independently, ray by ray on a fine grid.
+//! cos⁴θ'/Z² dA over the rear element is computed independently, from each ray on a fine grid.
 
 use super::support;
 

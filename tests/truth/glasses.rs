@@ -236,7 +236,8 @@ fn a_wrong_line_of_a_catalogue_takes_away_no_index() {
     assert_eq!(log, [""; 0]);
 }
 
-/// Returns a plano-convex lens of fused silica: its focal length is 100 mm over n - 1, independent of its thickness.
+/// Returns a plano-convex lens of fused silica, whose focal length is 100 mm divided by n - 1, independent of its
+/// thickness.
 fn silica(more: &str) -> String {
     format!(
         "MODE SEQ\nUNIT MM\nENPD 10\n{more}SURF 0\n  DISZ INFINITY\nSURF 1\n  STOP\n  CURV 0.01\n  DISZ 3\n  \

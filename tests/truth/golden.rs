@@ -1,5 +1,5 @@
-//! The tracer and first-order optics against independent tables: exact arithmetic (70 digits) and the programs optiland
-//! and rayoptics. `golden/README.md` describes how they were made.
+//! The tracer and first-order optics against independent tables, made by exact arithmetic (70 digits) and by the
+//! programs optiland and rayoptics. `golden/README.md` describes how the tables were made.
 
 use super::tables;
 

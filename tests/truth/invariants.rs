@@ -490,8 +490,8 @@ proptest! {
             if !cosines_are_safe {
                 continue;
             }
-            // Start in front of the whole lens: a stop in the last row may lie behind the surface whose bulge contains
-            // it.
+            // Rays start in front of the whole lens: a stop in the last row may lie behind the surface whose bulge
+            // contains it.
             let start = std::array::from_fn(|i| scene.origin[i] + lens.surfaces[0].semi_diameter * scene.direction[i]);
             let turned = Ray { origin: start, direction: scene.direction.map(|d| -d) };
             let got = back.trace(turned);

@@ -100,7 +100,7 @@ fn environment() -> Formula {
 fn single_lens(thin: bool) -> Formula {
     // Radii, thickness and index of `LENS`, and the lensmaker's equation.
     let (r1, r2, t, n, film, edge) = (60.0_f64, -80.0_f64, 8.0, 1.5, 90.0, 4.0_f64);
-    // Sagitta of the edge, toward the scene from the vertex.
+    // Sagitta of the surface's edge, measured from the vertex toward the scene.
     let sagitta = -r2 - (r2 * r2 - edge * edge).sqrt();
     let pupil = edge * film / (film + sagitta);
     let power = (n - 1.0) * (1.0 / r1 - 1.0 / r2 + (n - 1.0) * t / (n * r1 * r2));

@@ -45,8 +45,8 @@ fn rays(camera: &Camera, samples: &[Sample]) -> Vec<Option<(WorldRay, f32)>> {
     found
 }
 
-/// Returns the 99.9 % quantile of the errors on fresh rays, pixels; a ray that passes only one of the two counts as
-/// infinite.
+/// Returns the 99.9 % quantile of the errors on fresh rays, pixels; the error of a ray that passes only one of the two
+/// cameras counts as infinite.
 fn quantile_of_errors(entry: Entry, exact: &Camera, model: &Camera, seed: u64) -> f64 {
     const RAYS: usize = 40_000;
     let mut random = Random::new(seed);

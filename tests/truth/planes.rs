@@ -86,8 +86,8 @@ fn distance_at(z: f64, point: [f64; 3], direction: [f64; 3]) -> f64 {
     (point[0] + t * direction[0]).hypot(point[1] + t * direction[1])
 }
 
-/// Traces a ray through the lens without the plane, in that lens's space: returns its distance from the axis in the
-/// plane, and the ray behind the lens; `None` if it is blocked.
+/// Traces a ray through the lens without the plane, in that lens's space. Returns the distance from the axis at which
+/// the ray crosses the plane, and the ray behind the lens; `None` if the ray is blocked.
 fn oracle(case: &Case, direction: Direction, ray: Ray) -> Option<(f64, Ray)> {
     let lens = lens_of(case.without);
     let path = match direction {

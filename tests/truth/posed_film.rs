@@ -228,7 +228,7 @@ fn exposed_weights_are_the_linear_exposure_scale_of_the_t_number() {
     let axis = [200.0, 150.0];
     let irradiance = mean_weight(&plain, axis);
     let tnumber = (PI / (4.0 * irradiance)).sqrt();
-    // OpenUSD's computation: responsivity · time · iso / 100 · 2^exposure / fStop².
+    // OpenUSD computes responsivity · time · iso / 100 · 2^exposure / fStop².
     let scale = 0.8 * 0.02 * 4.0 * 1.5_f64.exp2() / (tnumber * tnumber);
     assert!((mean_weight(&exposed, axis) / scale - 1.0).abs() < 1e-6);
     // The image is farther away than for an object at infinity: the extension costs light.

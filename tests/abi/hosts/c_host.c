@@ -228,7 +228,7 @@ static void do_info(void) {
     api.camera_free(camera);
 }
 
-/* Prints the plan of a camera with a tolerance, one line per effect; the first call returns its length. */
+/* Prints the plan of a camera with a tolerance, one line per effect; the first call returns the plan's length. */
 static void do_plan(void) {
     int calls = 0;
     realistic_options o = options();

@@ -53,7 +53,7 @@ static void load(const char *path) {
     resolve(library, "realistic_autofocus", &api.autofocus);
 }
 
-/* The columns: pupil, disk, refraction, precision and shutter as in the options, NULL for the default. */
+/* The columns are pupil, disk, refraction, precision and shutter, as in the options; NULL means the default. */
 static const struct {
     const char *model, *lens_file, *pupil, *disk, *refraction, *precision, *shutter;
     double tolerance, fnumber, lens_radius;

@@ -250,7 +250,7 @@ struct Doubles {
     double m[4][4];
 };
 
-// The inverse in double precision: elimination of [matrix | identity], column by column.
+// The inverse in double precision, by elimination of [matrix | identity], column by column.
 Doubles inverted(const Matrix4x4 &from) {
     double a[4][8] = {};
     for (int r = 0; r < 4; ++r)

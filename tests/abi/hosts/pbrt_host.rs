@@ -346,8 +346,8 @@ fn every_error_about_parameters_is_reported() {
     assert_eq!(report.all("error").len(), 3);
 }
 
-/// The world-to-camera transform of the course's scenes, which begin with `Scale 5000 5000 5000`, and then look along
-/// +z from (0, 0.03, -0.4).
+/// The world-to-camera transform of the course's scenes, which begin with `Scale 5000 5000 5000`, and then look
+/// from (0, 0.03, -0.4) along +z.
 const COURSE: &str = "w2c=5000,0,0,0, 0,5000,0,-150, 0,0,5000,2000, 0,0,0,1";
 /// The camera of such a scene.
 const COURSE_CAMERA: [&str; 4] = [
@@ -409,7 +409,7 @@ fn lengths_that_do_not_fit_a_scene_that_scales_are_reported() {
     let z = 5.0 * (crossing(&rays[0], &rays[1]) + 0.4);
     assert!((0.927..0.932).contains(&z), "{z} m");
 
-    // The length of a world unit, given twice.
+    // The length of a world unit is given twice.
     let twice = run(&["float:mm_per_unit=5000", "float:focus_distance=0.2"]);
     for words in [
         "a world unit is 5000 units of camera space of 5000 mm each, 2.5e7 mm",

@@ -31,7 +31,7 @@ pub struct Memory {
 
 impl Memory {
     /// Generates a random layout of fields with these numbers of components: structures, columns, or separate fields
-    /// with gaps and in reverse. It may begin at an odd address.
+    /// with gaps and in reverse order. The layout may begin at an odd address.
     pub fn new(n: usize, components: &[usize], random: &mut Random) -> Self {
         let mut among = |n: usize| (random.next() * n as f64) as usize;
         let layout = among(3);

@@ -151,8 +151,8 @@ fn by_scene_rays(camera: &Camera, dome: &Dome, replicate: usize, range: Range<us
     sum.map(|sum| sum * dome.area())
 }
 
-/// Returns estimates with relative errors of `most` from as many samples as needed; `sum` computes the sum over a range
-/// of a replicate's samples.
+/// Returns estimates with relative errors of at most `most`, from as many samples as needed; `sum` computes the sum
+/// over a range of a replicate's samples.
 fn precise(most: f64, sum: impl Fn(usize, Range<usize>) -> [f64; SHARES] + Sync) -> Estimates {
     let replicates: Vec<usize> = (0..REPLICATES).collect();
     let mut sums = [[0.0; SHARES]; REPLICATES];

@@ -1,5 +1,5 @@
-//! Adjoint cameras: importance against the camera's own rays, ray by ray and as integrals, and the share of directions
-//! toward a lens that pass.
+//! Adjoint cameras: importance against the camera's own rays, for each ray and in integrals; and the share of
+//! directions toward a lens that pass.
 
 mod acceptance;
 mod front;

@@ -4,7 +4,7 @@ use ::realistic_camera::{Camera, Sample, WorldRay};
 
 use super::support::Random;
 
-/// Steps of the additive recurrence in six dimensions (M. Roberts, 2018): powers of 1/g, g⁷ = g + 1.
+/// Steps of the additive recurrence in six dimensions (M. Roberts, 2018): powers of 1/g, where g⁷ = g + 1.
 const STEPS: [f64; 6] = [
     0.898_665_466_953_376_8,
     0.807_599_621_487_158_4,

@@ -1,6 +1,6 @@
-//! An independent trace of light through a lens: rays by vectors and signed distances, the electric field in three
-//! dimensions as complex vectors, and the amplitudes of a single film by Airy's sum. It shares only the surfaces'
-//! numbers with the library.
+//! An independent trace of light through a lens: rays are traced by vectors and signed distances, the electric field
+//! consists of complex vectors in three dimensions, and the amplitudes of a single film follow Airy's sum. It shares
+//! only the surfaces' numbers with the library.
 
 use realistic_optics::lens::Lens;
 use std::ops::{Add, Mul};

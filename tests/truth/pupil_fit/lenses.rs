@@ -59,7 +59,7 @@ fn changed_design(random: &mut SplitMix64) -> String {
         let thickness = change(2.0 * strength) * surface.thickness;
         let semi_diameter = change(4.0 * strength) * surface.semi_diameter;
         let widest = if radius == 0.0 { f64::INFINITY } else { 0.999 * radius.abs() };
-        // Infallible: writing to a string cannot fail.
+        // Writing to a string cannot fail.
         let _ = writeln!(text, "{radius} {thickness} {} {}", surface.n_film, 2.0 * semi_diameter.min(widest));
     }
     text

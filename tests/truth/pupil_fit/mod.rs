@@ -1,4 +1,5 @@
-//! Measures of a warped pupil's fit, independent of its construction: shared by the tests and the bench.
+//! Measures of a warped pupil's fit that are independent of the pupil's construction; the tests and the bench share
+//! them.
 #![allow(dead_code, reason = "each of the two uses a part")]
 
 pub mod lenses;
@@ -178,8 +179,8 @@ impl Case {
         (0..n).map(|i| mean(TAU * (f64::from(i) + 0.37) / f64::from(n))).sum::<f64>() / f64::from(n)
     }
 
-    /// Returns the true irradiance from a disk of slopes: exact chords of the open region on `n` lines, found by a
-    /// scan of `scan` steps with bisected ends.
+    /// Returns the true irradiance from a disk of slopes, by exact chords of the open region on `n` lines. A scan of
+    /// `scan` steps finds the chords, and bisection their ends.
     pub fn irradiance(&self, point: [f64; 2], within: SlopeDisk, n: u32, scan: u32) -> f64 {
         let SlopeDisk { center, radius } = within;
         let step = 2.0 * radius / f64::from(n);

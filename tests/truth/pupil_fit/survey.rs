@@ -79,7 +79,7 @@ impl Survey {
         let point = [height, 0.0];
         let at = |disk: [f64; 2]| case.pupil.sample(point, disk).map(|sample| sample.slopes);
         let Some(center) = at([0.0; 2]) else { return 1.0 };
-        // The farthest distance of the map's edge by angle about the centre.
+        // Largest distance of the map's edge from the centre, by angle.
         let mut farthest = [0.0_f64; SECTORS];
         for i in 0..4 * SECTORS {
             let (sin, cos) = (std::f64::consts::TAU * i as f64 / (4 * SECTORS) as f64).sin_cos();

@@ -118,8 +118,8 @@ fn anywhere<const N: usize>(seed: u64) -> (SampleColumns, [f32; N]) {
     (samples, wavelengths)
 }
 
-/// Returns the largest difference between two rays: of directions, of origins relative to 100 mm, and of relative
-/// weights.
+/// Returns the largest of three differences between two rays: of the directions, of the origins relative to 100 mm, and
+/// of the weights relative to their size.
 fn difference((a, wa): (WorldRay, f32), (b, wb): (WorldRay, f32)) -> f64 {
     let apart = |a: [f32; 3], b: [f32; 3]| {
         a.iter().zip(b).map(|(a, b)| (f64::from(*a) - f64::from(b)).abs()).fold(0.0, f64::max)
@@ -224,7 +224,7 @@ fn random_lenses_have_the_rays_of_a_camera_at_the_wavelength() {
 
 #[test]
 fn a_plate_shifts_rays_as_snells_law_has_it_at_each_wavelength() {
-    // N-BK7: n_e and so on from the maker's sheet (Schott, 517642.251).
+    // The n_e and other indices of N-BK7 are from the maker's sheet (Schott, 517642.251).
     const SHEET: [(f32, f64); 6] = [
         (404.7, 1.530_24),
         (435.8, 1.526_68),
