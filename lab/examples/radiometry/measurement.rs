@@ -35,7 +35,7 @@ pub trait SensorResponse {
     fn response(&self, point: [f64; 2], wavelength: f64) -> f64;
 }
 
-/// A sensor of uniform response at every point and wavelength: R is in joules.
+/// A sensor with a response of 1 at every point and wavelength, so that R is in joules.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Energy;
 

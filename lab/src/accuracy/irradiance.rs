@@ -1,4 +1,4 @@
-//! Estimators of film irradiance in a uniform field of radiance 1: error against time.
+//! Error against time of estimators of film irradiance in a uniform field of radiance 1.
 
 use realistic_camera::{CameraError, Parameters, Sample, Value};
 use realistic_optics::imaging::irradiance::survey;

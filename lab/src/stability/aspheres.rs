@@ -153,7 +153,7 @@ pub fn planes_with_a_term() -> Vec<Case> {
             let (sine, cosine) = (slope / length, ONE / length);
             let bent = sine / exact(n);
             let bent_cosine = ((ONE - bent) * (ONE + bent)).sqrt();
-            // The ray turns by I - I' toward the axis if the surface recedes from it.
+            // The ray turns by I - I' toward the axis if the surface recedes from the incoming light.
             let turn = sine * bent_cosine - cosine * bent;
             let along = cosine * bent_cosine + sine * bent;
             let part = |x: f64| if r > ZERO { -(turn * exact(x) / r) } else { ZERO };
