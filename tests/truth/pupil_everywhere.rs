@@ -62,7 +62,7 @@ fn passes_or_names(number: u64) -> [u32; 3] {
         let near = case.irradiance(point, case.surroundings(point), 200, 100);
         let most = MISSED * axis + 5e-3 * near;
         assert!((mean - near).abs() <= most, "{what}: {mean} is not {near}");
-        // Through the rest of the rear element there is no other light.
+        // The rear element transmits no light outside the map's surroundings.
         let whole = case.irradiance(point, case.cover.seen_from(point), 300, 150);
         assert!(whole - mean <= MISSED * axis + 5e-2 * whole, "{what}: {mean} of {whole}");
         if is_named {
