@@ -1,6 +1,6 @@
-//! Benchmarks light inside the lens: `cargo bench --bench flare`. It times the ghosts of a lamp by all pairs of
-//! surfaces, without splatting them on a film, ms; a camera's batches with `transmission` and with `ghosts` compared
-//! with plain ones, ns per ray; and the relative cost of `transmission` in a batch for every lens of the catalogue.
+//! Benchmarks light inside the lens: `cargo bench --bench flare`. It measures the time of a lamp's ghosts from all
+//! pairs of surfaces, without splatting them on a film, ms; the times of a camera's batches with `transmission`, with
+//! `ghosts` and plain, ns per ray; and the relative cost of `transmission` in a batch, for every lens of the catalogue.
 
 use std::hint::black_box;
 
@@ -33,8 +33,8 @@ fn main() {
     }
 }
 
-/// Prints the relative cost of `transmission` in a batch, in either precision: the medians over rounds in which both
-/// take turns. Films are 36 mm from corner to corner, or as wide as the lens's image.
+/// Prints the relative cost of `transmission` in a batch, in each precision: the medians over rounds in which the two
+/// cameras take turns. Films are 36 mm from corner to corner, or as wide as the lens's image.
 fn shares(name: &str, arguments: &BenchArguments) {
     let film_diagonal = match name {
         "phone.4mm" => 6.0,

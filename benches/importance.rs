@@ -1,5 +1,5 @@
-//! Benchmarks importance, compared with a camera's own rays:
-//! `cargo bench --bench importance -- [LENS…]`.
+//! Benchmarks the evaluation of importance, compared with the generation of a camera's own rays: `cargo bench --bench
+//! importance -- [LENS…]`.
 
 use std::{env::args, hint::black_box, time::Duration};
 

@@ -1,8 +1,9 @@
-//! Benchmarks the overhead of the C ABI for a lens: rays through `realistic_lens_trace` compared with the kernel alone,
-//! and with the intersections on every surface compared with those without. It traces in batches and ray by ray, from
-//! both sides.
+//! Benchmarks the overhead of the C ABI for a lens. It compares rays through `realistic_lens_trace` with the kernel
+//! alone, and calls that return the intersections on every surface with calls that do not. It traces in batches and ray
+//! by ray, from both sides.
 //!
-//! `cargo bench --bench lens` (with `-- dgauss` one lens). Medians over interleaved rounds in thread CPU time.
+//! `cargo bench --bench lens` (with `-- dgauss`, one lens). The figures are medians over interleaved rounds in thread
+//! CPU time.
 
 use std::{
     ffi::CString,
@@ -100,7 +101,7 @@ fn passing(lens: &Lens, travel: Direction) -> Vec<([f64; 3], [f64; 3])> {
 /// A lens of the C ABI, with input rays in its form.
 struct Opened {
     lens: *mut realistic_lens,
-    /// Original points and directions, by coordinates.
+    /// Original points and directions, one array per coordinate.
     given: [Vec<f64>; 6],
     /// Copies of the rays, to be traced in place.
     rays: [Vec<f64>; 6],
@@ -122,7 +123,7 @@ impl Opened {
         Self { lens, rays: given.clone(), given, points }
     }
 
-    /// Restores all original rays, and returns them from ray `first` on.
+    /// Restores all original rays, and returns the rays from ray `first` on.
     fn restored(&mut self, first: usize) -> realistic_lens_rays {
         if first == 0 {
             self.rays.iter_mut().zip(&self.given).for_each(|(to, from)| to.copy_from_slice(from));
@@ -158,7 +159,7 @@ impl Opened {
             met: null_mut(),
             met_stride: 0,
         };
-        // SAFETY: a live lens, arrays of the rays and of their points.
+        // SAFETY: the lens is live, and the arrays have room for the rays and their points.
         unsafe { realistic_lens_trace(self.lens, from as i32, BATCH, &rays, &points) };
         black_box(&self.points);
     }
@@ -166,7 +167,7 @@ impl Opened {
 
 impl Drop for Opened {
     fn drop(&mut self) {
-        // SAFETY: freed once.
+        // SAFETY: the lens is freed once.
         unsafe { realistic_lens_free(self.lens) }
     }
 }

@@ -1,9 +1,10 @@
-//! Benchmarks the savings of a tolerance: a ray by each model of a lens, one by one and in batches, the source of the
-//! figures in `crates/camera/src/plan/cost.rs`; cameras of the catalogue's lenses at several stops, with tolerances of 0.01, 0.1 and
-//! 1 pixel, against the exact trace in both precisions; and their build times.
+//! Benchmarks the savings of a tolerance: rays by each model of a lens, one by one and in batches, whose times are the
+//! source of the figures in `crates/camera/src/plan/cost.rs`; cameras of the catalogue's lenses at several stops, with
+//! tolerances of 0.01, 0.1 and 1 pixel, against the exact trace in both precisions; and the build times of these
+//! cameras.
 //!
-//! `cargo bench --bench plan` (with `-- dgauss` one lens, with `-- --models` or `-- --cameras` one part). Medians over
-//! interleaved rounds. `REALISTIC_SIMD=avx2` measures narrower registers.
+//! `cargo bench --bench plan` (`-- dgauss`: one lens; `-- --models` or `-- --cameras`: one part). The figures are
+//! medians over interleaved rounds. `REALISTIC_SIMD=avx2` measures narrower registers.
 
 use std::hint::black_box;
 
@@ -130,7 +131,7 @@ fn chain<S: KernelScalar + Real + 'static>(
     })
 }
 
-/// Orders, each with the number of apertures that are tested.
+/// Orders of polynomials, each with the number of apertures that are tested.
 #[rustfmt::skip]
 const MODELS: [(usize, usize); 15] = [
     (1, 0), (1, 2), (3, 0), (3, 1), (3, 2), (5, 0), (5, 1), (5, 2), (7, 0), (7, 1), (7, 2), (9, 0), (9, 1), (9, 2),
@@ -166,14 +167,14 @@ fn samples() -> impl Iterator<Item = Sample> {
     })
 }
 
-/// Prints a camera with each tolerance at each stop, compared with the exact trace in both precisions.
+/// Prints, for a camera, each tolerance at each stop, compared with the exact trace in both precisions.
 fn cameras(arguments: &BenchArguments) {
     let effort = Effort { rounds: arguments.effort.rounds.min(15), ..arguments.effort };
     println!(
         "| lens | tolerance | one by one, ns | f32 | f64 | | in batches, ns | f32 | f64 | | ms to build |\n\
          |---|---|---|---|---|---|---|---|---|---|---|"
     );
-    // The slowest relative to single and to double precision, one by one and in batches.
+    // The largest times relative to single and to double precision, one by one and in batches.
     let mut worst = [[0.0_f64; 2]; 2];
     let mut longest = 0.0_f64;
     for name in catalogue::names().filter(|name| arguments.wants(name)) {

@@ -1,5 +1,5 @@
-//! Benchmarks the warped pupil: its fit, and the times to build and sample it, for the catalogue's
-//! lenses and stops: `cargo bench --bench pupil`. Times are medians and minima of several runs.
+//! Benchmarks the warped pupil: its fit, and the times to build and to sample it, for the catalogue's lenses at several
+//! stops: `cargo bench --bench pupil`. Times are medians and minima of several runs.
 
 #[path = "../tests/truth/pupil_fit/mod.rs"]
 mod pupil_fit;
@@ -66,7 +66,7 @@ fn main() {
     }
 }
 
-/// Distances from the end of the image, relative to its radius.
+/// Distances of film points from the end of the image, relative to the image's radius.
 const PARTS: [f64; 7] = [3e-2, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4];
 
 fn near_end(case: &Case, end: f64) -> Vec<String> {

@@ -1,9 +1,9 @@
 //! Benchmarks directions toward the lens from scene points, for each lens of the catalogue (or the given ones), wide
-//! open and stopped down, for far and near points. It reports their cost, the share that passes and the light that they
-//! miss: `cargo bench --bench scene_points -- [LENS]...`. The points lie on the camera's own rays, all over the
-//! picture; the camera keeps its lens's own focus, or with `--focused` is focused at the points' distance. Each figure
-//! is the worst of its lens's cases, except the mean, which is over the cases' means. `--part N` uses an Nth of the
-//! samples, `--test` makes a minimal run.
+//! open and stopped down, for far and near points. It reports the cost of the directions, the share that passes and the
+//! light that they miss: `cargo bench --bench scene_points -- [LENS]...`. The points lie on the camera's own rays, all
+//! over the picture. The camera keeps its lens's own focus, or with `--focused` is focused at the points' distance.
+//! Each figure is the worst over its lens's cases, except the mean, which is taken over the cases' means. `--part N`
+//! uses an Nth of the samples; `--test` makes a minimal run.
 
 use std::{f64::consts::TAU, hint::black_box, time::Duration};
 
@@ -21,10 +21,10 @@ const RASTER: Raster = Raster { xres: 640, yres: 480 };
 const STOPS: [Option<f64>; 3] = [None, Some(4.0), Some(8.0)];
 /// Directions per batch, each from another point.
 const BATCH: usize = 1024;
-/// Points at which the share of passing directions is measured, and directions of each.
+/// Number of points at which the share of passing directions is measured, and number of directions from each.
 const POINTS: usize = 256;
-/// Points at which the light is measured; number of sample sets, and the directions of a set toward the lens and
-/// anywhere.
+/// Number of points at which the light is measured; number of sample sets; and numbers of directions in a set, toward
+/// the lens and anywhere.
 const LIT: usize = 16;
 const SETS: usize = 8;
 const AIMED: usize = 2048;
@@ -32,9 +32,9 @@ const ANYWHERE: usize = 32_768;
 
 /// A figure whose ideal is 0, its standard error and its case.
 type Figure = (f64, f64, String);
-/// Time of the first direction, ms; time of each direction of a batch, ns; the share of blocked directions, in the mean
-/// over points and at the worst point; the share of light missed, over all points and at the worst point, negative if
-/// the estimate exceeds the whole.
+/// Time of the first direction, ms; time of each direction of a batch, ns; the share of directions that are blocked, as
+/// the mean over points and at the worst point; and the share of light missed, over all points and at the worst point,
+/// which is negative if the estimate exceeds the whole.
 type Figures = [Figure; 6];
 
 /// Returns the figure farther from 0.
@@ -95,7 +95,7 @@ fn camera(lens: &str, stop: Option<f64>, focus: Option<f64>) -> Camera {
     Camera::build(&parameters, &host, &mut |_, _| ()).unwrap_or_else(|error| panic!("{lens}: {error}"))
 }
 
-/// Evaluates a lens at all stops and distances, with a fraction of the samples; prints and returns the figures.
+/// Evaluates a lens at all stops and distances with a fraction of the samples, then prints and returns the figures.
 fn measure(lens: &str, focused: bool, part: usize) -> Vec<Figures> {
     let open = camera(lens, None, None);
     let facts = open.facts().expect("a lens has them");
@@ -104,7 +104,7 @@ fn measure(lens: &str, focused: bool, part: usize) -> Vec<Figures> {
     let stops = STOPS.into_iter().filter(|stop| stop.is_none_or(|stop| stop > facts.fnumber()));
     let distances = [1e7, 1000.0, (nearest.object_distance - behind).max(1.0)];
     let cases = stops.flat_map(|stop| distances.map(|far| (stop, far))).map(|(stop, far)| {
-        // The nearest focus is a little farther at some stops.
+        // At some stops the nearest focus is a little farther.
         let focus = (1.01 * nearest.object_distance).max(far + behind);
         let camera = camera(lens, stop, focused.then_some(focus));
         let stop = stop.map_or("open".to_owned(), |stop| format!("f/{stop}"));
@@ -118,7 +118,7 @@ fn measure(lens: &str, focused: bool, part: usize) -> Vec<Figures> {
 /// A scene point, and the origin of the camera's ray to it.
 type Target = ([f32; 3], [f64; 3]);
 
-/// Computes the figures of a camera for points `far` from its lens, all over picture and pupil.
+/// Computes the figures of a camera for points at the distance `far` from its lens, all over picture and pupil.
 fn figures(camera: &Camera, far: f64, part: usize, case: &str) -> Figures {
     let adjoint = camera.adjoint().expect("a lens has importance");
     let name = |figure: f64| (figure, 0.0, case.to_owned());
@@ -165,9 +165,9 @@ fn aimed(adjoint: &AdjointCamera, target: &Target, set: u32, count: usize) -> Ve
     found
 }
 
-/// Estimates the integral of importance over directions from a point twice: by directions toward the lens, and by
-/// directions independent of the pupil. The latter fill a cone that contains all of the front surface, or the whole
-/// sphere; their density increases toward the camera's own ray as 1/(1 - cos θ + `narrow`).
+/// Estimates the integral of importance over directions from a point in two ways: by directions toward the lens, and by
+/// directions independent of the pupil. The second kind of directions fills a cone that contains the whole front
+/// surface, or the whole sphere; its density increases toward the camera's own ray as 1/(1 - cos θ + `narrow`).
 fn light(camera: &Camera, target: &Target, set: u32, part: usize) -> [f64; 2] {
     let adjoint = camera.adjoint().expect("a lens has importance");
     let aimed = aimed(adjoint, target, set, AIMED / part);
@@ -178,7 +178,7 @@ fn light(camera: &Camera, target: &Target, set: u32, part: usize) -> [f64; 2] {
     let (distance, cone_axis) = (dot(cone_axis, cone_axis).sqrt(), unit(cone_axis));
     let facts = camera.facts().expect("a lens has them");
     let ([low, high], semi) = (facts.lens.front().sagitta_range(), facts.lens.front().semi_diameter);
-    // No two points of the surface are farther apart.
+    // Longer than the distance between any two points of the surface.
     let across = 1.01 * (2.0 * semi).hypot(high - low);
     let square = (across / distance).powi(2);
     let is_far = square < 0.25;
@@ -188,7 +188,7 @@ fn light(camera: &Camera, target: &Target, set: u32, part: usize) -> [f64; 2] {
     let side =
         unit(cross(cone_axis, if cone_axis[0].abs() < 0.5 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] }));
     let up = cross(side, cone_axis);
-    // Rays start near the lens, where single precision resolves it.
+    // Rays start near the lens, where single precision resolves their positions.
     let start = if is_far { distance - 1.5 * across } else { 0.0 };
     let count = ANYWHERE / part;
     let ray = |[u, v, ..]: Point| {

@@ -1,5 +1,6 @@
-//! Benchmarks a wavelength per sample against the camera's own wavelength: `cargo bench --bench wavelengths`, ns per
-//! sample, batches of random samples over the film and single calls, in both precisions; and the first request.
+//! Benchmarks a wavelength per sample against the camera's own wavelength: `cargo bench --bench wavelengths`. It
+//! measures batches of random samples over the film and single calls, in both precisions, ns per sample; and the first
+//! request.
 
 use std::{hint::black_box, time::Instant};
 
@@ -10,8 +11,8 @@ use realistic_lab::{
     timing::{BenchArguments, Contest},
 };
 
-/// Lenses with glasses given by two numbers, with glasses given by name (Sellmeier's formula), and with aspheres; each
-/// with its film diagonal, mm.
+/// A lens whose glasses are given by two numbers, lenses whose glasses are given by name (Sellmeier's formula), and
+/// lenses with aspheres; each with its film diagonal, mm.
 const LENSES: [(&str, f64); 4] =
     [("dgauss.100mm", 35.0), ("retrofocus.24mm", 35.0), ("zoom.24-70mm", 35.0), ("phone.4mm", 5.6)];
 const N: usize = 2048;

@@ -1,5 +1,5 @@
-/* A picture of a lens's vignetting: the mean weight of each pixel's rays, against the axis; and how much of the scene the
- * middle pixel covers, by a ray with differentials.
+/* A picture of a lens's vignetting: the mean weight of each pixel's rays, relative to that on the axis; and the width
+ * in the scene that the middle pixel covers, by a ray with differentials.
  *
  *     cargo build --release
  *     cc -std=c99 -Iinclude examples/host.c -Ltarget/release -lrealistic -Wl,-rpath,target/release -o host
@@ -47,7 +47,7 @@ int main(int count, char **arguments) {
             }
             if (realistic_camera_generate_rays(camera, LENS * LENS, samples, 0, rays, 0, weights, NULL) ==
                 REALISTIC_STATUS_OK) {
-                for (int i = 0; i < LENS * LENS; ++i) sum += weights[i]; /* 0 where the lens blocks it */
+                for (int i = 0; i < LENS * LENS; ++i) sum += weights[i]; /* 0 where the lens blocks the ray */
             }
             double grey = 255 * sum / (LENS * LENS);
             fputc(grey < 255 ? (int)grey : 255, file);

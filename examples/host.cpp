@@ -1,5 +1,5 @@
-// A picture of a lens's vignetting: the mean weight of each pixel's rays, against the axis; and how much of the scene the
-// middle pixel covers, by a ray with differentials.
+// A picture of a lens's vignetting: the mean weight of each pixel's rays, relative to that on the axis; and the width
+// in the scene that the middle pixel covers, by a ray with differentials.
 //
 //     cargo build --release
 //     c++ -std=c++11 -Iinclude examples/host.cpp -Ltarget/release -lrealistic -Wl,-rpath,target/release -o host
@@ -34,7 +34,7 @@ int main(int count, char **arguments) {
                 }
                 camera.generate(samples.data(), rays, out.data(), weights.data());
                 double sum = 0;
-                for (float weight : weights) sum += weight; // 0 where the lens blocks it
+                for (float weight : weights) sum += weight; // 0 where the lens blocks the ray
                 file.put(static_cast<char>(static_cast<int>(std::min(255.0, 255 * sum / rays))));
             }
         }

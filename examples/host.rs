@@ -1,5 +1,5 @@
-//! A picture of a lens's vignetting: the mean weight of each pixel's rays, against the axis; and how much of the scene the
-//! middle pixel covers, by a ray with differentials.
+//! A picture of a lens's vignetting: the mean weight of each pixel's rays, relative to that on the axis; and the width
+//! in the scene that the middle pixel covers, by a ray with differentials.
 //!
 //! `cargo run --release --example host -- vignetting.pgm`
 
@@ -20,7 +20,7 @@ fn camera() -> Result<Camera, Box<dyn Error>> {
     Ok(camera)
 }
 
-/// The picture as a PGM file.
+/// Returns the picture as a PGM file.
 pub fn picture() -> Result<Vec<u8>, Box<dyn Error>> {
     let camera = camera()?;
     let mut file = format!("P5\n{WIDTH} {HEIGHT}\n255\n").into_bytes();
@@ -44,7 +44,7 @@ pub fn picture() -> Result<Vec<u8>, Box<dyn Error>> {
     Ok(file)
 }
 
-/// Width in the scene, mm, of the middle pixel at 10 m.
+/// Returns the width in the scene, mm, of the middle pixel at 10 m.
 pub fn pixel_width() -> Result<f32, Box<dyn Error>> {
     let [image_x, image_y] = [WIDTH, HEIGHT].map(|side| side as f32 / 2.0);
     let middle = Sample { image_x, image_y, lens_u: 0.5, lens_v: 0.5, time: 0.0 };

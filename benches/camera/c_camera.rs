@@ -28,7 +28,7 @@ impl Camera {
     /// Returns the weight of one ray, by the C export.
     pub fn one(&self, sample: &realistic_sample) -> f32 {
         let mut ray = realistic_ray::default();
-        // SAFETY: a live camera.
+        // SAFETY: the camera is live.
         black_box(unsafe { realistic_generate_ray(self.0, sample, null(), &mut ray) })
     }
 
@@ -36,7 +36,7 @@ impl Camera {
     pub fn differential(&self, sample: &realistic_sample) -> f32 {
         let struct_size = size_of::<realistic_ray_differential>() as u32;
         let mut ray = realistic_ray_differential { struct_size, ..Default::default() };
-        // SAFETY: a live camera.
+        // SAFETY: the camera is live.
         let weight = unsafe { realistic_generate_ray_differential(self.0, sample, null(), &mut ray) };
         black_box(&ray);
         weight
@@ -48,8 +48,8 @@ impl Camera {
         type GenerateRay =
             unsafe extern "C" fn(*const realistic_camera, *const realistic_sample, *mut realistic_ray) -> f32;
         let mut ray = realistic_ray::default();
-        // SAFETY: in builds with the C++ interface, a camera begins with a pointer to its vtable, whose first slot is
-        // this function.
+        // SAFETY: in builds with the C++ interface, a camera begins with a pointer to its vtable, and this function is
+        // in the first slot.
         unsafe {
             let generate = **self.0.cast::<*const GenerateRay>();
             black_box(generate(self.0, sample, &mut ray))
@@ -59,7 +59,7 @@ impl Camera {
 
 impl Drop for Camera {
     fn drop(&mut self) {
-        // SAFETY: made in `new`, freed once.
+        // SAFETY: the camera was made in `new` and is freed once.
         unsafe { realistic_camera_free(self.0) }
     }
 }
@@ -86,7 +86,7 @@ pub fn triple(sample: &realistic_sample) -> [realistic_sample; 3] {
     [*sample, right, realistic_sample { image_y: right.image_y + 1.0, ..moved(&right, -1.0) }]
 }
 
-/// Calls `call` once per sample, each waiting for the previous call: `call` moves its sample by the number that it
+/// Calls `call` once per sample, each call waiting for the previous one: `call` moves its sample by the number that it
 /// receives.
 pub fn chain<S>(samples: &[S], call: impl Fn(&S, f32) -> f32) {
     let mut carry = 0.0;
@@ -138,7 +138,7 @@ impl Arrays {
                 [mint, maxt, time].map(|array| if with_range_and_time { array } else { null_mut() });
             let reason = null_mut();
             let rays = realistic_rays_soa { ox, oy, oz, dx, dy, dz, mint, maxt, time, weight, reason };
-            // SAFETY: every array that is passed has room.
+            // SAFETY: every array that is passed has room for its elements.
             let status = unsafe { realistic_camera_generate_rays_soa(camera.0, part.len(), &samples, &rays) };
             assert_eq!(status, realistic_status::Ok);
         }

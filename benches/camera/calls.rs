@@ -1,5 +1,5 @@
-//! Every kind of call against its counterpart, in turns: whole cameras in batches against their kernel alone, arrays of
-//! structures against structures of arrays, and calls of few samples against the single call.
+//! Every kind of call against its counterpart, timed in turns: batches of whole cameras against their kernel alone,
+//! arrays of structures against structures of arrays, and calls with few samples against the call for one sample.
 
 use std::{hint::black_box, ptr::null_mut};
 
@@ -32,7 +32,7 @@ const LARGE: usize = 1024;
 
 type Task<'a> = Box<dyn FnMut() + 'a>;
 
-/// Prints one table: for each kind of call the time per ray, that of its counterpart, and the ratio.
+/// Prints one table: for each kind of call, the time per ray, the time per ray of its counterpart, and the ratio.
 pub fn print(lens: &str, cameras: [(&str, &Camera); 2], samples: &[realistic_sample], effort: Effort) {
     println!("\n| call | ns per ray | beside | ns per ray | ratio |\n|---|---|---|---|---|");
     for (precision, camera) in cameras {
@@ -114,7 +114,7 @@ fn differentials<'a>(camera: &'a Camera, samples: &'a [realistic_sample], n: usi
         for ((samples, found), weights) in
             samples.chunks(n).zip(found.chunks_mut(n)).zip(weights.chunks_mut(n))
         {
-            // SAFETY: every array has room.
+            // SAFETY: every array that is passed has room for its elements.
             let status = unsafe {
                 generate_differentials(
                     camera.0,
@@ -139,7 +139,7 @@ fn arrays<'a>(camera: &'a Camera, samples: &[realistic_sample], n: usize) -> Tas
     Box::new(move || arrays.generate_by(camera, n, false))
 }
 
-/// Generates [`arrays`] with range and time, which arrays of structures always include.
+/// Generates structures of arrays as [`arrays`] does, with range and time, which arrays of structures always include.
 fn arrays_with_all<'a>(camera: &'a Camera, samples: &[realistic_sample], n: usize) -> Task<'a> {
     let mut arrays = Arrays::new(samples);
     Box::new(move || arrays.generate_by(camera, n, true))
@@ -166,7 +166,7 @@ fn structures<'a>(
     let count = samples.len();
     Box::new(move || {
         for first in (0..count).step_by(n) {
-            // SAFETY: every array has room.
+            // SAFETY: every array that is passed has room for its elements.
             let status = unsafe {
                 realistic_camera_generate_rays(
                     camera.0,

@@ -1,5 +1,5 @@
-//! Time of a camera ray through every lens of the catalogue, total and per interface: by calls of one sample, and by
-//! batches in both precisions.
+//! Time of a camera ray through every lens of the catalogue, in total and per interface: by calls for one sample, and
+//! by batches in both precisions.
 
 use realistic_lab::timing::{Effort, interleaved};
 use realistic_optics::{

@@ -1,9 +1,10 @@
 //! Benchmarks camera rays from sample to world ray: through the vtable as a pbrt-v1 host calls it, through the C
-//! export, and in batches, against the camera that walks with Heckbert's refraction, all in one run; and the build
-//! times of cameras.
+//! export, and in batches. All are compared in one run with the camera that walks with Heckbert's refraction. It also
+//! measures the build times of cameras.
 //!
-//! `cargo bench --bench camera` (with `-- dgauss` one lens, with `-- catalogue` one table of all, with `-- sizes` one
-//! of all in small batches, with `-- models` the models without interfaces). Medians over interleaved rounds.
+//! `cargo bench --bench camera` (`-- dgauss`: one lens; `-- catalogue`: one table of all lenses; `-- sizes`: one table
+//! of all lenses in small batches; `-- models`: the models without interfaces). The figures are medians over
+//! interleaved rounds.
 
 mod c_camera;
 mod calls;
@@ -32,7 +33,7 @@ use realistic_lab::{
 };
 use realistic_optics::prescription;
 
-/// Samples per round; through the vtable, each takes three calls.
+/// Samples per round; through the vtable, each sample takes three calls.
 const SAMPLES: usize = 2048;
 
 const RESOLUTION: i32 = 1000;
@@ -64,7 +65,7 @@ fn main() {
     }
 }
 
-/// Returns every lens with its name and its `lens_file`: the catalogue's, and two of realistic size.
+/// Returns every lens with its name and its `lens_file`: the catalogue's lenses, and two of realistic size.
 fn lenses() -> impl Iterator<Item = (&'static str, &'static str)> {
     prescription::catalogue::names().map(|name| (name, name)).chain(LARGE_LENSES)
 }
@@ -116,7 +117,7 @@ fn calls(lens: &str, effort: Effort) {
         let mut rays = vec![realistic_ray::default(); SAMPLES];
         let mut weights = vec![0.0; SAMPLES];
         let structures = move || {
-            // SAFETY: every array has room.
+            // SAFETY: every array that is passed has room for its elements.
             let status = unsafe {
                 realistic_camera_generate_rays(
                     camera.0,
@@ -145,8 +146,8 @@ fn calls(lens: &str, effort: Effort) {
     }
 }
 
-/// Returns the batches per second of this many threads that share one camera, each with its own arrays: the median over
-/// rounds.
+/// Returns the median, over rounds, of the batches per second of this many threads, which share one camera and each
+/// have their own arrays.
 fn throughput(camera: &Camera, samples: &[realistic_sample], threads: usize, rounds: usize) -> f64 {
     // Runs are long because a thread may start a millisecond late.
     const BATCHES: usize = 4000;

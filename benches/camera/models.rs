@@ -1,5 +1,5 @@
-//! Models without interfaces against a plain pinhole and the exact lens, two of them moving as well: one call, and
-//! batches of both layouts.
+//! Models without interfaces against a plain pinhole and the exact lens, by single calls and by batches of both
+//! layouts; two of the models move as well.
 
 use std::{ffi::CStr, hint::black_box, ptr::null_mut};
 
@@ -14,9 +14,9 @@ const LARGE: usize = 1024;
 /// Width and height of the image, pixels.
 const RESOLUTION: i32 = 1000;
 
-/// A pinhole as a renderer might write it: a film point, its normalised direction, and the camera's matrix. It uses
-/// baseline instructions only, like a host compiled from C. It reads each component of the sample separately: one load
-/// of two components would stall on store forwarding, since the caller has just stored them one by one.
+/// A pinhole as a renderer might write it: from a film point, its normalised direction and the camera's matrix. It uses
+/// baseline instructions only, like a host compiled from C. It reads each component of the sample separately: a single
+/// load of two components would stall on store forwarding, since the caller has just stored them one by one.
 #[repr(C)]
 struct Pinhole {
     to_world: [[f32; 4]; 3],
@@ -31,7 +31,7 @@ unsafe extern "C" fn pinhole_ray(
     sample: *const realistic_sample,
     ray: *mut realistic_ray,
 ) -> f32 {
-    // SAFETY: the caller guarantees that all three are valid.
+    // SAFETY: the caller guarantees that all three pointers are valid.
     let (camera, sample, ray) = unsafe { (&*camera, &*sample, &mut *ray) };
     // SAFETY: the references are valid.
     let [x, y] =
@@ -81,7 +81,7 @@ pub fn print(samples: &[realistic_sample], effort: Effort) {
         ("lens, exact, moving", between(c"lens", 0.0, ended)),
     ];
     let mut contest = Contest::default();
-    // Hide the function from the optimiser, as a plugin's would be.
+    // Hide the function from the optimiser, as a plugin's function would be.
     let pinhole: PinholeRay = black_box(pinhole_ray);
     let plain = &plain;
     contest.enter(
@@ -89,7 +89,7 @@ pub fn print(samples: &[realistic_sample], effort: Effort) {
         Box::new(move || {
             chain(samples, |sample, carry| {
                 let mut ray = realistic_ray::default();
-                // SAFETY: all three are valid.
+                // SAFETY: all three pointers are valid.
                 black_box(unsafe { pinhole(plain, &moved(sample, carry), &mut ray) })
             });
         }) as Box<dyn FnMut()>,
@@ -115,7 +115,7 @@ pub fn print(samples: &[realistic_sample], effort: Effort) {
                 samples.chunks(LARGE).zip(rays.chunks_mut(LARGE)).zip(weights.chunks_mut(LARGE))
             {
                 let (rays, weights) = (rays.as_mut_ptr(), weights.as_mut_ptr());
-                // SAFETY: every array has room.
+                // SAFETY: every array that is passed has room for its elements.
                 let status = unsafe {
                     realistic_camera_generate_rays(
                         camera.0,

@@ -1,5 +1,5 @@
-//! Time per ray in batches of few samples, whose number is seldom a multiple of the vector width, against that of the
-//! next multiple.
+//! Time per ray in batches of few samples, whose number is seldom a multiple of the vector width, compared with the
+//! time in batches of the next multiple.
 
 use realistic_lab::timing::{Effort, interleaved};
 use realistic_optics::{
@@ -13,8 +13,8 @@ use super::{
     camera,
 };
 
-/// Batch sizes whose times per ray are compared: one sample more than a vector of four, one sample less than a group of
-/// vectors, and few samples against many.
+/// Pairs of batch sizes whose times per ray are compared: a vector of four plus one sample against the vector, a group
+/// of vectors minus one sample against the group, and few samples against many.
 const PAIRS: [[usize; 2]; 3] = [[5, 4], [31, 32], [16, 1024]];
 
 /// Prints one row per lens and precision, on a film whose size follows the lens's focal length so that every lens

@@ -1,5 +1,5 @@
-//! The cost of an asphere in spheres: a telephone's lens of twelve strong aspheres against a double Gauss of ten
-//! spheres, both less the time of two planes and of the transfers in and out.
+//! The cost of an asphere, in spheres: a telephone's lens of twelve strong aspheres against a double Gauss of ten
+//! spheres. From each time, that of two planes and of the transfers in and out is subtracted.
 
 use realistic_lab::timing::{BenchArguments, Contest};
 use realistic_optics::{lens::Lens, prescription::catalogue};

@@ -1,4 +1,4 @@
-//! Time of a ray through every lens of the catalogue, total and per interface: one ray, and batches in both
+//! Time of a ray through every lens of the catalogue, in total and per interface: for one ray, and for batches in both
 //! precisions with the widest instructions.
 
 use std::hint::black_box;
@@ -39,8 +39,8 @@ pub fn print(effort: Effort) {
     }
 }
 
-/// Returns a lens at its first zoom position, focused at infinity, and film points as far from the axis as every
-/// lens illuminates.
+/// Returns a lens at its first zoom position, focused at infinity, with film points up to the distance from the axis
+/// that every lens illuminates.
 fn scene(name: &'static str) -> Scene {
     let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
     let optics = FirstOrder::of(&lens).expect("focal");

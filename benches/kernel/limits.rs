@@ -1,35 +1,36 @@
-//! The processor's peak throughput, in square roots by the divider and in fused multiply-adds, and the resulting lower
-//! bound on the time of a lens.
+//! The processor's peak throughput, in square roots by the divider and in fused multiply-adds; and the lower bound on
+//! the time of a lens that results from it.
 
 #[cfg(target_arch = "x86_64")]
 use realistic_lab::{results::statistics::median, timing::repeated};
 use realistic_optics::lens::Lens;
 use realistic_simd::Simd;
 
-/// The peak throughput of a register of an instruction set, ns per operation.
+/// Peak speed of an instruction set with one type of register: the least time per operation, ns.
 #[derive(Clone, Copy, Debug)]
 pub struct Register {
     pub name: &'static str,
     simd: Simd,
     lanes: f64,
-    /// Time of a square root by the divider, and of a fused multiply-add, in a stream of independent ones.
+    /// Times of a square root by the divider and of a fused multiply-add, in a stream of independent operations.
     root: f64,
     multiply_add: f64,
     /// Square roots per interface that are computed by the multipliers instead of the divider.
     computed_roots: f64,
 }
 
-/// Square roots of a refracting sphere in the kernel's link, n cos I and n' cos I'.
+/// Square roots in the kernel's link for a refracting sphere: n cos I and n' cos I'.
 const ROOTS: f64 = 2.0;
-/// Instructions of the link with a product, including fused sums; three further sums have their own ports on some
-/// processors.
+/// Instructions of the link that contain a product, including fused sums; three further sums have their own ports on
+/// some processors.
 const PRODUCTS: f64 = 17.0;
-/// Instructions with a product in a computed square root: two at first, two steps of three, and two for the last one.
+/// Instructions that contain a product in a computed square root: two for the start, three for each of two steps, and
+/// two for the last step.
 const PER_ROOT: f64 = 10.0;
 
 impl Register {
-    /// Returns the least time of a ray through a lens of spheres and planes, ns: that of the divider or of the
-    /// multipliers, whichever is busier; `None` if there are aspheres, for which the number of steps depends on the
+    /// Returns the least time of a ray through a lens of spheres and planes, ns: the time of the divider or of the
+    /// multipliers, whichever is busier. `None` if there are aspheres, for which the number of steps depends on the
     /// ray.
     pub fn least(&self, lens: &Lens) -> Option<f64> {
         if lens.surfaces.iter().any(|surface| surface.figure.is_some()) {
@@ -69,7 +70,7 @@ pub fn measure(rounds: usize) -> Vec<Register> {
     registers
 }
 
-/// Returns nothing on other processors.
+/// Returns no registers on other processors.
 #[cfg(not(target_arch = "x86_64"))]
 pub fn measure(_rounds: usize) -> Vec<Register> {
     Vec::new()
@@ -83,7 +84,7 @@ pub fn print(registers: &[Register]) {
     }
 }
 
-/// Iterations of a measurement, and independent chains in each, enough to hide the latency.
+/// Iterations of a measurement; and the independent chains in each iteration, enough to hide the latency.
 #[cfg(target_arch = "x86_64")]
 const TURNS: usize = 4096;
 #[cfg(target_arch = "x86_64")]
@@ -120,7 +121,8 @@ mod x86 {
         ($features:literal, $root:ident, $fma:ident, $set:ident, $sqrt:ident, $fmadd:ident) => {
             #[target_feature(enable = $features)]
             pub fn $root() {
-                // The chains avoid numbers with short roots: the root of 1 is faster on some dividers.
+                // The chains avoid numbers whose square roots have few digits: some divide units find the root of 1
+                // faster.
                 let (a, b) = ($set(black_box(0.5)), $set(black_box(3.0)));
                 let mut chains = [b; CHAINS];
                 for _ in 0..TURNS {

@@ -1,7 +1,7 @@
-//! Benchmarks kernel rays: one, three at once, and many, against the walk with Heckbert's refraction and the
-//! processor's peak throughput, all in one run.
+//! Benchmarks kernel rays, one at a time, three at once and many at once, against the walk with Heckbert's refraction
+//! and the processor's peak throughput, all in one run.
 //!
-//! `cargo bench --bench kernel` (some minutes; with `-- dgauss` one lens, with `-- catalogue` one table of all). Every
+//! `cargo bench --bench kernel` (some minutes; `-- dgauss`: one lens; `-- catalogue`: one table of all lenses). Every
 //! figure is a median over rounds in which all contestants take turns, so that other load affects them alike.
 
 mod aspheres;

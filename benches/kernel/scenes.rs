@@ -1,4 +1,4 @@
-//! Lenses, and rays from their film that pass.
+//! Lenses, and rays from their films that pass.
 
 use realistic_camera::sampling::PupilDisk;
 use realistic_lab::{

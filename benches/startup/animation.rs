@@ -1,5 +1,4 @@
-//! Cameras of an animation with moving focus: each built from scratch, and each built from the
-//! previous one.
+//! Cameras of an animation with moving focus, built in two ways: each from scratch, and each from the previous one.
 
 use realistic_camera::{Camera, Host, Parameters};
 use realistic_lab::timing::{BenchArguments, Contest};
@@ -7,7 +6,7 @@ use realistic_optics::prescription::catalogue;
 
 use super::RASTER;
 
-/// Number of frames: ten seconds.
+/// Number of frames, which last ten seconds.
 const FRAMES: u16 = 240;
 /// Distance from the film to the nearest plane in focus, in focal lengths.
 const NEAREST: f64 = 50.0;

@@ -1,5 +1,5 @@
-//! Generated lenses of many interfaces for build times: from a kind, a number of interfaces and a seed to a lens file's
-//! text and the camera's parameters.
+//! Generated lenses of many interfaces, to measure build times. A kind, a number of interfaces and a seed determine a
+//! lens file's text and the camera's parameters.
 
 use std::fmt::Write;
 
@@ -12,14 +12,14 @@ use realistic_optics::{lens::Lens, prescription::catalogue};
 pub enum Kind {
     /// Radii, thicknesses and indices of any size.
     Any,
-    /// Weak surfaces close together, neighbouring ones of which cross within their apertures.
+    /// Weak surfaces close together, of which neighbouring ones cross within their apertures.
     Relay,
     /// A lens of the catalogue with weak menisci between its elements.
     Designed,
-    /// [`Kind::Relay`] with terms on a third of the surfaces, or on all.
+    /// A [`Kind::Relay`] with terms on a third of the surfaces, or on all.
     SomeAspheres,
     AllAspheres,
-    /// [`Kind::Designed`] with terms on every second surface of a meniscus.
+    /// A [`Kind::Designed`] with terms on every second surface of a meniscus.
     DesignedAspheres,
 }
 
@@ -62,7 +62,8 @@ struct Row {
 }
 
 impl LongLens {
-    /// Generates the lens of a kind, length and number; the same arguments give the same lens.
+    /// Generates the lens of a kind, a number of interfaces and a number of its own; the same arguments give the same
+    /// lens.
     pub fn new(kind: Kind, interfaces: usize, number: u64) -> Self {
         let mut random = Random::seed_from_u64(number ^ ((interfaces as u64) << 32));
         let rows = match kind {
@@ -78,7 +79,7 @@ impl LongLens {
             if let Some((terms, conic)) = asphere {
                 let terms: String =
                     terms.iter().enumerate().map(|(i, term)| format!(" A{}={term:e}", 4 + 2 * i)).collect();
-                // Infallible: writing to a string cannot fail.
+                // Writing to a string cannot fail.
                 let _ = writeln!(text, "asphere {} conic={conic}{terms}", number + 1);
             }
         }
@@ -139,7 +140,7 @@ fn relay(random: &mut Random, interfaces: usize, aspheres: f64) -> Vec<Row> {
         .collect()
 }
 
-/// Returns terms that reach up to `size` of the semi-diameter at its edge.
+/// Returns terms whose size at the edge of the aperture is up to `size` of the semi-diameter.
 fn terms(random: &mut Random, semi: f64, size: f64) -> ([f64; 5], f64) {
     let term = |i: i32| sign(random) * size * scaled(random, 0.05, 1.0) * semi.powi(1 - (4 + 2 * i));
     let terms = [0, 1, 2, 3, 4].map(term);

@@ -1,9 +1,9 @@
-//! Benchmarks camera builds against their time limits: every lens of the catalogue, and long lenses of up to the
-//! maximum number of interfaces of a file, from random valid ones to relays designed to be slow. It also builds the
+//! Benchmarks camera builds against their time limits, for every lens of the catalogue and for long lenses of up to the
+//! maximum number of interfaces in a file, from random valid ones to relays designed to be slow. It also builds the
 //! cameras of an animation, each from scratch and each from the previous one.
 //!
-//! `cargo bench --bench startup` (with `-- dgauss` one lens of the catalogue; with `-- --catalogue`, `-- --long` or
-//! `-- --animation` one part; `-- --test` for a minimal run). Times are CPU times of the thread. `REALISTIC_SIMD=avx2`
+//! `cargo bench --bench startup` (`-- dgauss`: one lens of the catalogue; `-- --catalogue`, `-- --long` or
+//! `-- --animation`: one part; `-- --test`: a minimal run). Times are CPU times of the thread. `REALISTIC_SIMD=avx2`
 //! measures narrower registers.
 
 mod animation;
@@ -19,10 +19,10 @@ use realistic_optics::prescription::catalogue;
 use realistic_simd::Simd;
 
 const RASTER: Raster = Raster { xres: 1000, yres: 1000 };
-/// A tolerance, pixels, and the time limit of a catalogue lens with it, ms.
+/// A tolerance, pixels, and the time limit of a catalogue lens with that tolerance, ms.
 const TOLERANCE: &str = "0.1";
 const MOST_WITH_TOLERANCE: f64 = 8.0;
-/// Interfaces of long lenses, and the number of lenses of each kind.
+/// Numbers of interfaces of long lenses, each with the number of lenses of each kind.
 const LONG: [(usize, u64); 4] = [(10, 60), (30, 60), (100, 60), (1000, 8)];
 
 fn main() {
@@ -63,7 +63,7 @@ impl Given<'_> {
     }
 }
 
-/// Returns the time limit of a camera by its number of interfaces, ms.
+/// Returns the time limit, ms, of a camera with this number of interfaces.
 fn limit(interfaces: usize) -> f64 {
     2.0_f64.max(interfaces as f64 / 10.0)
 }

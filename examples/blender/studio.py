@@ -1,4 +1,4 @@
-"""The program's test scene in Blender: a card in focus, balls before and behind it, lamps far behind.
+"""The program's test scene in Blender: a card in focus, balls in front of and behind it, and lamps far behind.
 
 $ python studio.py SHADER.osl studio.png
 
@@ -18,7 +18,7 @@ from typing import Any
 import bpy
 
 FLOOR = -155.0
-# Width of a 3:2 film with a diagonal of 35 mm, and distance of the card from the front vertex, mm.
+# Width of a 3:2 film with a diagonal of 35 mm; and distance of the card from the front vertex; both in mm.
 FILM_WIDTH, DISTANCE = 29.12, 1000.0
 CORAL, TEAL, AMBER = (0.66, 0.11, 0.07), (0.02, 0.33, 0.35), (0.76, 0.39, 0.05)
 PLUM, CREAM, LEAF = (0.30, 0.08, 0.34), (0.76, 0.70, 0.60), (0.15, 0.36, 0.08)
@@ -50,7 +50,7 @@ def at(x: float, y: float, z: float) -> tuple[float, float, float]:
 
 
 def with_nodes(made: Any) -> Any:
-    """Clears the nodes of a material or a world and returns its node tree."""
+    """Clears the nodes of a material or a world, and returns its node tree."""
     if bpy.app.version < (5, 0):
         made.use_nodes = True
     made.node_tree.nodes.clear()
@@ -89,7 +89,7 @@ def shape(name: str, corners: list[tuple[float, float, float]], of: Any) -> Any:
 
 
 def board(name: str, corner: tuple[float, float, float], width: float, height: float, of: Any) -> Any:
-    """Makes an upright board from its top left corner."""
+    """Makes an upright board, given its top left corner."""
     x, y, z = corner
     return shape(name, [(x, y - height, z), (x + width, y - height, z), (x + width, y, z), (x, y, z)], of)
 
@@ -128,7 +128,7 @@ def card() -> None:
         return CARD[0] + u * unit, CARD[1] - v * unit, CARD[2] - 0.2
 
     def printed(name: str, corners: list[tuple[float, float]], of: Any) -> None:
-        # Reversed, because v increases downward.
+        # The corners are reversed, because v increases downward.
         shape(name, [on_card(u, v) for u, v in reversed(corners)], of)
 
     for u0, v0, u1, v1 in ((2, 2, 78, 3), (2, 63, 78, 64), (2, 2, 3, 64), (77, 2, 78, 64), (6, 16.5, 74, 17.5)):
@@ -168,7 +168,8 @@ def lamps(strings: int = 2) -> None:
 
 
 def sky(world: Any) -> None:
-    """Makes a dusk sky: colours from the horizon to one above it and to the zenith, by the sine of the elevation."""
+    """Makes a dusk sky, with colours at the horizon, at one elevation above it and at the zenith, by the sine of the
+    elevation."""
     tree = with_nodes(world)
     place, split = tree.nodes.new("ShaderNodeTexCoord"), tree.nodes.new("ShaderNodeSeparateXYZ")
     tree.links.new(place.outputs["Generated"], split.inputs[0])
@@ -195,7 +196,7 @@ def sky(world: Any) -> None:
         return node.outputs[2]
 
     height = calculated("MAXIMUM", split.outputs[1], 0.0)
-    # e to the -6.5 h.
+    # The power is e to the -6.5 h.
     falling = calculated("POWER", 0.0015034391929775724, height)
     low = mixed(calculated("SUBTRACT", 1.0, falling), (0.93, 0.42, 0.23), (0.09, 0.14, 0.38))
     colour = mixed(calculated("MULTIPLY", height, 1.6, clamp=True), low, (0.06, 0.10, 0.26))
@@ -205,12 +206,12 @@ def sky(world: Any) -> None:
 
 
 def floor() -> None:
-    """Makes a floor of polished tiles, 155 mm wide."""
+    """Makes a floor of polished tiles that are 155 mm wide."""
     tiles = material("tiles", Roughness=0.2)
     tree = tiles.node_tree
     place, scale = tree.nodes.new("ShaderNodeNewGeometry"), tree.nodes.new("ShaderNodeVectorMath")
     scale.operation = "MULTIPLY"
-    # Height is ignored: the floor lies exactly between two layers of squares.
+    # Height is ignored: the floor lies exactly on the boundary of two layers of the 3D checker.
     scale.inputs[1].default_value = (1000 / 155, 0.0, -1000 / 155)
     squares = tree.nodes.new("ShaderNodeTexChecker")
     squares.inputs["Color1"].default_value = (0.60, 0.55, 0.46, 1.0)

@@ -2,9 +2,9 @@
 
 $ python cluster.py
 
-writes tiles.png and study.csv. On a farm only the cluster changes: docs/python.md says how. With --kill one of the workers is
-killed while it renders, as happens on farms; the picture's bytes and the table stay the same. --large studies enough that two
-processes are faster than one.
+writes tiles.png and study.csv. On a farm only the cluster changes, as docs/python.md explains. With --kill, one of the
+workers is killed while it renders, as happens on farms; the picture's bytes and the table stay the same. With --large,
+the study is so large that two processes are faster than one.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The program's test scene in Mitsuba 3: a card in focus, balls before and behind it, lamps far behind.
+"""The program's test scene in Mitsuba 3: a card in focus, balls in front of and behind it, and lamps far behind.
 
 $ python studio.py dgauss.50mm studio.png
 
@@ -88,7 +88,7 @@ def card() -> mi.Bitmap:
     figure.canvas.draw()
     drawn = np.asarray(figure.canvas.buffer_rgba())[..., :3]
     plt.close(figure)
-    # v begins at the top of a bitmap, and at the lower edge of a rectangle.
+    # Row 0 is at the top of a bitmap; v is 0 at the lower edge of a rectangle.
     return mi.Bitmap(drawn[::-1].copy())
 
 
@@ -173,7 +173,7 @@ def main(lens: str, out: str, width: int = 480, height: int = 320, samples: int 
     sensor = {
         "type": "realistic",
         "lens_file": lens,
-        # Distance of the card from the film.
+        # The distance of the card is measured from the film.
         "focus_distance": 1071.0,
         "film": {"type": "hdrfilm", "width": width, "height": height, "rfilter": {"type": "box"}},
         "sampler": {"type": "multijitter", "sample_count": samples},

@@ -1,9 +1,9 @@
 // The implementation of LensCamera: pbrt-v4's samples, rays and importance by the C ABI (include/realistic.h). README.md
 // states how to add it to pbrt-v4. MIT OR Apache-2.0.
 //
-// The lens's camera space is pbrt's camera space: +z forward, +x right, +y up. pbrt's own transform takes the rays from
-// there to the scene, and so handles a moving camera. The lens's shutter is open from 0 to 1, the fraction of pbrt's
-// interval.
+// The lens's camera space is pbrt's camera space: +z forward, +x right, +y up. pbrt's own transform maps the rays from
+// camera space to the scene, and so handles a moving camera. The lens's shutter times are 0 to 1, as fractions of
+// pbrt's interval.
 
 #include <pbrt/cameras.h>
 
@@ -41,7 +41,7 @@ const Number numbers[] = {
 struct Text {
     const char *name;
     const char *realistic_options::*member;
-    // Whether it may name a file beside the scene's.
+    // Whether the text may name a file in the scene's directory.
     bool file;
 };
 const Text texts[] = {
@@ -62,7 +62,7 @@ void Tell(void *loc, int32_t level, const char *message) {
         Warning(static_cast<const FileLoc *>(loc), "%s", message);
 }
 
-// Returns a request for a ray at one wavelength, or at the camera's own if NULL.
+// Returns a request for a ray at one wavelength, or at the camera's own wavelength if the pointer is NULL.
 realistic_request RequestFor(const float *wavelength) {
     realistic_request request = {};
     request.struct_size = sizeof request;
@@ -71,7 +71,7 @@ realistic_request RequestFor(const float *wavelength) {
     return request;
 }
 
-// Whether rays at the ends of the spectrum take different paths.
+// Returns whether rays at the ends of the spectrum take different paths.
 bool Disperses(const realistic_camera *camera, Point2i resolution) {
     for (float at : {0.5f, 0.7f, 0.9f}) {
         const realistic_sample sample = {at * resolution.x, at * resolution.y, at, 0.4f, 0};
@@ -96,7 +96,7 @@ struct LensCamera::Lens {
     realistic_camera *camera;
     // Whether each wavelength takes its own path, and the scene does not fix one wavelength for all rays.
     bool disperses;
-    // Distance along a ray at which it begins.
+    // Distance along a ray at which the ray begins.
     Float hither;
     std::string name;
 
@@ -155,7 +155,7 @@ LensCamera *LensCamera::Create(const ParameterDictionary &parameters, const Came
     realistic_camera_get_lens_name(camera, name, sizeof name, nullptr);
     const bool disperses = std::isnan(options.wavelength) && Disperses(camera, film.FullResolution());
     const Float hither = std::isnan(options.hither) ? 1e-3f : Float(options.hither);
-    // The camera lives as long as pbrt's scene, that is as long as the process.
+    // The camera lives as long as pbrt's scene, which is as long as the process.
     return alloc.new_object<LensCamera>(base, new Lens{camera, disperses, hither, name});
 }
 
@@ -223,7 +223,7 @@ pstd::optional<CameraWiSample> LensCamera::SampleWi(const Interaction &ref, Poin
     realistic_camera_sample_importance(lens->camera, 1, &points, &aimed, &counts);
     if (density == 0 || importance == 0)
         return {};
-    // Objects nearer to the lens than the rays' start hide nothing.
+    // Objects nearer to the lens than the start of the rays hide nothing.
     const Vector3f toLens = VectorOf(d);
     const Point3f front = RenderFromCamera(PointOf(o) - lens->hither * toLens, ref.time);
     const Normal3f n = RenderFromCamera(Normal3f(0, 0, 1), ref.time);

@@ -1,5 +1,5 @@
-// A camera of pbrt-v4 whose rays pass every surface of a real lens: scenes name it `Camera "lens"`. README.md states how
-// to add it to pbrt-v4. pbrt/cameras.h includes this file after its own cameras: include that one. MIT OR Apache-2.0.
+// A camera of pbrt-v4 whose rays pass every surface of a real lens; scenes name it `Camera "lens"`. README.md states
+// how to add it to pbrt-v4. Include pbrt/cameras.h, which includes this file after its own cameras. MIT OR Apache-2.0.
 
 #ifndef REALISTIC_LENS_CAMERA_H
 #define REALISTIC_LENS_CAMERA_H
@@ -8,7 +8,7 @@
 
 namespace pbrt {
 
-// All code specific to the lens is in lens_camera.cpp, so that its changes do not recompile pbrt's files.
+// All code specific to the lens is in lens_camera.cpp, so that changes to it do not recompile pbrt's files.
 class LensCamera : public CameraBase {
   public:
     struct Lens;

@@ -1,15 +1,15 @@
-//! Random values for the parameters of the table; new parameters of the table are varied automatically.
+//! Random values for the parameters of the table; a new parameter of the table is varied automatically.
 
 use std::ops::Bound::{Excluded, Included, Unbounded};
 
 use ::realistic_camera::{Interval, Kind, Model, PARAMETERS, Parameter, Range};
 
-/// Mean number of numeric parameters that are set, of those that apply to a model.
+/// Mean number of numeric parameters that are set, out of those that apply to a model.
 const NUMBERS: f64 = 3.0;
 
-/// Returns a model, and values for some of its parameters: names, and numbers near the default, of any magnitude in the
-/// parameter's range, and at the ends of the range. The caller provides free text, such as a lens's name. `next`
-/// generates random numbers in [0, 1).
+/// Returns a model, and values for some of its parameters: names and numbers. The numbers are near the default, of any
+/// magnitude in the parameter's range, or at the ends of the range. The caller provides free text, such as a lens's
+/// name. `next` generates random numbers in [0, 1).
 pub fn any_parameters(next: &mut impl FnMut() -> f64) -> Vec<(&'static str, String)> {
     let (name, model) = match next() {
         lens if lens < 0.4 => Model::NAMES[0],
@@ -41,7 +41,7 @@ fn pick<'a, T>(choices: &'a [T], next: &mut impl FnMut() -> f64) -> &'a T {
     &choices[(next() * choices.len() as f64) as usize % choices.len()]
 }
 
-/// Returns a number of an interval.
+/// Returns a number in an interval.
 fn any_number(row: &Parameter, interval: &Interval, next: &mut impl FnMut() -> f64) -> f64 {
     const TRIES: usize = 20;
     let ends = [interval.from, interval.to].map(|end| match end {

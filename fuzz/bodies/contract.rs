@@ -5,8 +5,8 @@ use realistic::ffi::{realistic_ray, realistic_sample};
 /// Maximum deviation of a direction's length from 1.
 const UNIT: f64 = 1e-6;
 
-/// Describes the fault of a weight and its ray; `before` is the previous content of the ray,
-/// which a blocked ray must leave unchanged.
+/// Describes the fault of a weight and its ray, if there is one; `before` is the previous content of the ray, which
+/// must remain if the ray is blocked.
 pub fn broken(
     sample: &realistic_sample,
     ray: &realistic_ray,

@@ -1,4 +1,4 @@
-//! Any bytes are a lens that can be traced, or give an error with its position in them.
+//! Any bytes give either a lens that can be traced, or an error with its position in the bytes.
 
 use realistic_optics::prescription::{GlassLibrary, Medium, Shape, read};
 use realistic_optics::trace::{Path, Ray};
@@ -9,7 +9,7 @@ use realistic_optics::{
 
 /// Checks the reader's promises, and panics if one is broken. Returns whether the bytes are a lens.
 pub fn run(data: &[u8]) -> bool {
-    // The same bytes as a catalogue of glasses: glasses by name, or an error.
+    // The same bytes are read as a catalogue of glasses: they give glasses by name, or an error.
     let mut library = GlassLibrary::default();
     if let Err(error) = library.add("fuzz", data) {
         assert!(error.line >= 1 && error.column >= 1 && !error.message.is_empty());
@@ -27,8 +27,7 @@ pub fn run(data: &[u8]) -> bool {
         }
     };
     assert!(!prescription.interfaces.is_empty());
-    // Distance from one refracting surface to the next; planes that only limit may lie anywhere in
-    // between.
+    // Distance from one refracting surface to the next; planes that only limit rays may lie anywhere in between.
     let (mut distance, mut in_front) = (f64::INFINITY, Medium::Air);
     for interface in &prescription.interfaces {
         if interface.shape != Shape::Plane || interface.medium != in_front {

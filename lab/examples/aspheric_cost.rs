@@ -1,7 +1,7 @@
 //! Finds the costliest of many random short aspheric lenses, by the time to build a camera and by the time of its first
 //! ray from the scene. `cargo run --release -p realistic-lab --example aspheric_cost -- [LENSES] [FIRST SEED]`.
 //!
-//! It ends with the time of 1,000 aspheres with odd terms.
+//! The run ends with the time for 1,000 aspheres with odd terms.
 
 use std::fmt::Write;
 

@@ -2,7 +2,8 @@
 //! lenses wide open and at f/8, lenses by name or file, or a number of random cameras, at 67 film radii each:
 //! `pupil_gate [--time] [--fields] [--small] [LENS]... [NUMBER]`. For each camera it prints the share of samples that
 //! pass, weighted by light, and the least share at a radius that receives a twentieth of the axis's light or more; then
-//! the light missed relative to the axis's: up to .98 of the image, beyond, and in the median.
+//! the light missed relative to the light on the axis: the maximum up to .98 of the image's radius, the maximum beyond,
+//! and the median.
 
 #[path = "../../tests/truth/pupil_fit/mod.rs"]
 mod pupil_fit;
@@ -60,11 +61,12 @@ fn field(case: &Case, height: f64) -> Option<Field> {
 }
 
 struct Found {
-    /// Share that passes, weighted by light; its minimum where a twentieth of the axis's light or more arrives, and the
-    /// radius of the minimum.
+    /// Share of the samples that pass, weighted by light; then the least such share at a radius that receives a
+    /// twentieth of the axis's light or more, and that radius.
     passing: f64,
     least: (f64, f64),
-    /// Light missed relative to the axis's: up to .98 of the image, beyond, and in the median.
+    /// Light missed relative to the light on the axis: the maximum up to .98 of the image's radius, the maximum beyond,
+    /// and the median.
     missed: [f64; 3],
 }
 
@@ -81,7 +83,8 @@ fn measure(case: &Case, verbose: bool) -> Found {
     let (mut light, mut passing, mut least) = (0.0, 0.0, (1.0, 0.0));
     let (mut inner, mut outer, mut all) = (0.0_f64, 0.0_f64, Vec::new());
     for (part, field) in &fields {
-        // `missed` is a share of the whole pupil; dividing by the rest makes it relative to the light found.
+        // `missed` is a share of the whole pupil; dividing it by the remaining share makes it relative to the light
+        // found.
         let missed = field.missed / (1.0 - field.missed).max(f64::MIN_POSITIVE) * field.light / axis;
         let missed = if field.light > 0.0 { missed } else { 0.0 };
         if verbose {

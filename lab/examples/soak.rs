@@ -1,14 +1,15 @@
-//! A soak test of the C ABI: random lenses in random cameras, random bits in samples, and the header's promises
-//! checked on each ray.
+//! A soak test of the C ABI: it generates random lenses in random cameras and samples of random bits, and checks the
+//! header's promises on each ray.
 //!
 //! ```text
 //! cargo run --release -p realistic-lab --example soak [RAYS [SEED]]      # default: 1e9 rays
 //! ```
 //!
-//! Half of the lenses are random ones that pass the checks of a lens file, half come from the catalogue, scaled; every
-//! parameter of the table that applies to a model is set in some of its cameras, to any value in its range. One
-//! sample in four has random bits in all its members or in one. Every camera is called with structures of arrays,
-//! with and without reasons, and a part of its samples again one by one; with a tolerance the two may differ within it.
+//! Half of the lenses are random ones that pass the checks of a lens file; the other half come from the catalogue,
+//! scaled. For each model, every parameter of the table that applies to it is set in some of the cameras, to any value
+//! in the parameter's range. One sample in four has random bits, in one member or in all. Every camera is called with
+//! structures of arrays, with and without reasons, and some of the samples are requested again one by one; with a
+//! tolerance, the results of the two calls may differ by as much as the tolerance permits.
 
 use std::collections::BTreeMap;
 use std::ffi::{CStr, CString, NulError};
@@ -154,7 +155,7 @@ impl Arrays {
             reason_stride: size_of::<realistic_reason>() as isize,
             ..realistic_request::default()
         };
-        // SAFETY: a live camera, and arrays of BATCH elements.
+        // SAFETY: the camera is live, and the arrays have BATCH elements.
         unsafe { realistic_camera_generate_batch(camera, BATCH, &request) }
     }
 }
@@ -240,7 +241,7 @@ fn check(
     }
     for i in (0..BATCH).step_by(BATCH / SINGLES) {
         let (sample, mut ray) = (arrays.sample(i), MARK);
-        // SAFETY: a live camera, sample and ray.
+        // SAFETY: the camera, the sample and the ray are live.
         let weight = unsafe { realistic_generate_ray(camera, &sample, null(), &mut ray) };
         if let Some(broken) = contract::broken(&sample, &ray, weight, &MARK) {
             counts.violation(broken);

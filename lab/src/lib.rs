@@ -1,6 +1,6 @@
-//! Measurements of the library: errors against an extended-precision reference, run times, and
-//! numerical stability. The program's `report`, `refractions`, `pupil`, `disks` and `plan` print these
-//! measurements, and the benches share its clock and its rays.
+//! Measurements of the library: errors against an extended-precision reference, run times, and numerical stability. The
+//! program's `report`, `refractions`, `pupil`, `disks` and `plan` print these measurements; the benches use this
+//! crate's clock and its rays.
 //!
 //! | module | contents |
 //! |---|---|

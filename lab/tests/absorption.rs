@@ -1,5 +1,5 @@
-//! Light in absorbing glass: the library's direct light and ghosts against photons that are absorbed at random, and the
-//! energy balance.
+//! Light in absorbing glass: the library's direct light and ghosts are compared with photons that are absorbed at
+//! random, and the energy balance is checked.
 
 use realistic_lab::stray::{Balance, balance};
 use realistic_light::{Ghosts, Lamp, Spray, Surfaces};
@@ -42,7 +42,7 @@ fn absorbed_photons_and_the_librarys_light_add_up() {
     );
     let near = |a: f64, b: f64| (a - b).abs() < 4.0 * photons.error(b).hypot(2e-3 * b);
     assert!(near(by_rays, direct) && near(by_pairs, two), "{by_rays} {direct}, {by_pairs} {two}");
-    // Absorption is large enough for a wrong law to show.
+    // Absorption is so large that a wrong law would show.
     assert!(absorbed > 0.2, "{absorbed}");
     let whole = by_rays + by_pairs + more + beside + blocked + back + absorbed;
     assert!((whole - 1.0).abs() < 4.0 * photons.error(direct).hypot(2e-3 * direct), "{whole}");

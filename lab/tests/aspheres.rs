@@ -45,8 +45,8 @@ fn every_tracer_keeps_its_bound_in_a_telephones_lens() {
 
 #[test]
 fn a_ray_that_grazes_an_asphere_is_sound_or_blocked() {
-    // Rays that dip below a surface between equal media by less than rounding once left the single-precision walk
-    // without a direction: the surfaces and rays of two random lenses.
+    // The surfaces of two random lenses, and their rays. Rays that dip below a surface between equal media by less than
+    // the rounding once left the single-precision walk without a direction.
     type Grazing = (f64, f64, &'static [(usize, f64)], f64, [[f64; 3]; 2]);
     let found: [Grazing; 2] = [
         (
@@ -97,8 +97,8 @@ fn a_ray_that_grazes_an_asphere_is_sound_or_blocked() {
     }
 }
 
-/// Returns a lens whose one surface is a half ellipsoid of this radius with terms, with light from air. Its
-/// semi-diameter is `part` of the ellipsoid's half width, at most all of it.
+/// Returns a lens whose only surface is a half ellipsoid of this radius with terms; light comes from air. The surface's
+/// semi-diameter is `part` of the ellipsoid's half width, and at most the whole half width.
 fn half_ellipsoid(random: &mut Random, radius: f64, part: f64, direction: Direction) -> Lens {
     let mut asphere = Asphere { radius, conic: random.random_range(-0.6..1.5), terms: NO_TERMS };
     let semi_diameter = asphere.widest() * part.min(1.0);
@@ -120,7 +120,8 @@ fn half_ellipsoid(random: &mut Random, radius: f64, part: f64, direction: Direct
     lens
 }
 
-/// Returns rays through points of the surface, and some that pass beside it, from in front of its lowest point.
+/// Returns rays that start in front of the surface's lowest point and go through points of the surface, and some that
+/// pass beside it.
 fn rays_at(random: &mut Random, lens: &Lens, direction: Direction) -> Vec<Ray> {
     let surface = lens.front();
     let sign = if direction == FilmToScene { 1.0 } else { -1.0 };

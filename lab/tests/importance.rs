@@ -1,5 +1,5 @@
-//! The adjoint camera against the extended-precision reference: rays of the camera traced back to the film in numbers
-//! of 106 bits, and the areas and solid angles about them by differences of such rays.
+//! The adjoint camera against the extended-precision reference: rays of the camera are traced back to the film in
+//! numbers of 106 bits, and the areas and solid angles about them follow from differences of such rays.
 
 use realistic_camera::{
     Camera, Facts, Host, Importance, Parameters, Raster, Sample, WorldRay, sampling::PupilDisk,
@@ -26,7 +26,7 @@ fn exact(number: f64) -> Exact {
     Exact::from_f64(number)
 }
 
-/// A ray by its point in a plane perpendicular to the axis, mm, and its slopes.
+/// A ray given by its point in a plane perpendicular to the axis, mm, and its slopes.
 type Crossing = [Exact; 4];
 
 /// A lens in both directions, and the film behind it.
@@ -80,8 +80,8 @@ fn slopes([_, _, sx, sy]: Crossing) -> [f64; 2] {
     [sx.to_f64(), sy.to_f64()]
 }
 
-/// Returns the growth of dx dy dslope² on the way to the film: the determinant of the Jacobian, by central differences.
-/// `None` if a neighbour is blocked.
+/// Returns the factor by which dx dy dslope² grows on the way to the film: the determinant of the Jacobian, by central
+/// differences. `None` if a neighbour is blocked.
 fn growth(both: &BothWays, at: Crossing) -> Option<f64> {
     // The relative error of central differences is about the square of the step.
     const STEP: f64 = 1e-8;
@@ -273,7 +273,8 @@ fn the_warped_pupils_density_is_that_of_its_samples() {
         let at = |part: f64| apart[(part * apart.len() as f64) as usize];
         eprintln!("{name}: {} rays, {:.1e} half, {:.1e} of nine in ten", apart.len(), at(0.5), at(0.9));
         assert!(apart.len() > 40, "{name}: {}", apart.len());
-        // The map is smooth between two knots of its table; differences across a knot match neither side.
+        // The map is smooth between two knots of its table; a difference across a knot matches the derivative on
+        // neither side.
         assert!(at(0.5) < 2e-3 && at(0.9) < 0.02, "{name}: {:e} {:e}", at(0.5), at(0.9));
     }
 }

@@ -28,7 +28,7 @@ impl Subject {
     fn new(name: &str) -> Self {
         let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
         let film = FirstOrder::of(&lens).expect("focal").rear_focal_point;
-        // The height up to which these two lenses illuminate the film.
+        // The height up to which these two lenses illuminate the film is given.
         let reach = match name {
             "phone.4mm" => 2.5,
             "fisheye.6mm" => 10.0,
@@ -66,7 +66,7 @@ fn errors(subject: &Subject, polynomial: &Polynomial) -> (f64, f64, f64) {
         .into_iter()
         .filter_map(|ray| Some((through(polynomial, ray)?, path.trace(ray).expect("passes"))))
         .collect();
-    // Order 1 sends 29 of a fisheye's rays past the edge of its front.
+    // Order 1 sends 29 of a fisheye's rays past the edge of its front surface.
     assert!(pairs.len() > 560, "{} of 600", pairs.len());
     let sorted = |measure: &dyn Fn(&(Ray, Ray)) -> f64| {
         let mut all: Vec<f64> = pairs.iter().map(measure).collect();
@@ -102,8 +102,8 @@ fn near_the_axis_they_are_the_thick_lens() {
         let subject = Subject::new(name);
         let thick = FirstOrder::of(&subject.lens).expect("focal");
         let polynomial = subject.fit(11);
-        // Half a thousandth of the film and of a slope of 1 remain: the residual is the fit's error, at most half of
-        // that on the whole film.
+        // Only half a thousandth of the film and of a slope of 1 remain: the residual is the fit's error, at most half
+        // of the error on the whole film.
         let (median, _, position) = errors(&subject, &polynomial);
         let most = [(0.5 * median).max(1e-7), (0.5 * position).max(1e-6)];
         for (x, slope) in [(5e-3, 0.0), (0.0, 5e-4), (-3e-3, 4e-4)] {

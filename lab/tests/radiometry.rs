@@ -1,4 +1,4 @@
-//! The figures that `examples/radiometry` prints against optics.
+//! The figures that `examples/radiometry` prints, against the laws of optics.
 
 #[path = "../examples/radiometry/main.rs"]
 #[allow(dead_code)]
@@ -31,7 +31,7 @@ fn the_energy_on_a_pixel_is_irradiance_times_area_times_time() {
 #[test]
 fn the_eyes_response_turns_energy_into_luminous_exposure() {
     let stop = &against_fnumber("dgauss.100mm@50mm", &[8.0]).expect("a built-in lens")[0];
-    // The bands' middles are 425, 475, …, 675 nm: half way between the rows of the table.
+    // The middles of the bands are 425, 475, …, 675 nm, half way between the rows of the table.
     let v = [0.0004, 0.038, 0.323, 0.995, 0.631, 0.107, 0.0041];
     let mean = v.windows(2).map(|pair| f64::midpoint(pair[0], pair[1])).sum::<f64>() / 6.0;
     let expected = stop.irradiance * EXPOSURE * 683.0 * mean;

@@ -52,7 +52,7 @@ fn quotients_and_roots_are_right_to_thirty_digits() {
     }
 }
 
-/// Returns the largest errors in point, relative to the point's size, and in direction.
+/// Returns the largest error in point, relative to the point's size, and the largest error in direction.
 fn against_closed_form(cases: Vec<stability::Case>) -> (f64, f64) {
     let (mut position, mut direction) = (0.0_f64, 0.0_f64);
     for case in cases {
@@ -100,14 +100,15 @@ fn concentric_shells_turn_a_ray_as_bouguer_says() {
 
 #[test]
 fn thin_shells_focus_where_luneburgs_lens_does() {
-    // The lens focuses on its own back, more closely for thinner shells: distant rays cross the axis at z = -2 R.
+    // The lens focuses distant rays on its own back, the more closely the thinner its shells: the rays cross the axis
+    // at z = -2 R.
     let miss = |count: u32| {
         let radius = 10.0;
         let shell = |i: u32| radius * (1.0 - f64::from(i) / f64::from(count));
         let index = |i: u32| (2.0 - (1.0 - (f64::from(i) + 0.5) / f64::from(count)).powi(2)).sqrt();
         let thickness = radius / f64::from(count);
         let mut text = String::new();
-        // The entry, the middle ball, the exit.
+        // The rows are those of the entry into the shells, the ball in the middle, and the exit.
         for i in 0..count {
             let through = if i + 1 == count { 2.0 * thickness } else { thickness };
             text += &format!("{} {through} {} {}\n", shell(i), index(i), 2.0 * shell(i));
@@ -173,8 +174,8 @@ fn the_chain_with_condition_numbers_gives_the_references_rays() {
 
 #[test]
 fn the_condition_number_predicts_what_a_disturbed_ray_does() {
-    // A ray through a lens of condition 1e6 and its neighbour 1e-12 rad away, about the point in the front vertex
-    // plane, by the reference.
+    // The reference traces a ray through a lens of condition 1e6, and a neighbour turned by 1e-12 rad about the point
+    // in the front vertex plane.
     let case = stability::stiff::telescopes().swap_remove(2);
     let (reference, start) = (Reference::new(&case.lens, case.direction), 10.0);
     let turned =
@@ -257,8 +258,8 @@ fn the_tables_of_exact_arithmetic_agree_to_their_last_digits() {
     }
 }
 
-/// Returns the direction errors (rad) of a kernel on rays from the whole film through the whole rear element, and
-/// the number of rays on which it and the reference disagree about passing.
+/// Returns the direction errors (rad) of a kernel on rays from the whole film through the whole rear element, and the
+/// number of rays that only one of the kernel and the reference passes.
 fn errors<S: KernelScalar + Real>(lens: &Lens, count: usize) -> (Vec<f64>, usize) {
     let kernel = Kernel::<S>::new(lens, Direction::FilmToScene);
     let reference = Reference::new(lens, Direction::FilmToScene);

@@ -1,4 +1,4 @@
-//! A short soak of the C ABI (`examples/soak.rs`): the promises hold, and the soak covers every reason.
+//! A short soak of the C ABI (`examples/soak.rs`), in which the promises must hold and every reason must occur.
 
 #[path = "../examples/soak.rs"]
 mod soak;

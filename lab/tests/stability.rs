@@ -115,8 +115,8 @@ fn random_lenses_agree_with_the_reference() {
         let results = random::against_reference(kind, 0..300, &tracers());
         all_hold(&results);
         for result in &results {
-            // Single precision leaves more undecided: whether a steep edge is at the height at which the search
-            // starts.
+            // Single precision leaves more rays undecided, because it cannot resolve whether a steep edge lies at the
+            // height at which the search starts.
             let part = if result.tracer.contains("f32") { 10 } else { 20 };
             assert!(result.undecided < result.rays / part, "{}", show(result));
         }
@@ -143,7 +143,8 @@ fn a_run_reports_progress_and_stops_when_told() {
 
 #[test]
 fn a_failure_says_why_and_is_found_again_by_its_case_s_name() {
-    // No tracer meets a bound of 0: each random lens must fail by its error, and fail again when rerun by name.
+    // No tracer meets a bound of 0: each random lens must fail by its error, and must fail again when it is rerun by
+    // name.
     let mut strict = [named("walk f64")];
     strict[0].bound = 0.0;
     for kind in random::Kind::ALL {
@@ -161,8 +162,8 @@ fn a_failure_says_why_and_is_found_again_by_its_case_s_name() {
         assert_eq!(own.len(), tracers().len());
         assert!(own.iter().all(|result| result.name == failure.case && result.rays > 0));
     }
-    // Glass of another index sends rays elsewhere and changes whether some pass, compared with the truth of the
-    // right one.
+    // Glass of another index sends rays elsewhere and changes whether some pass; the results are compared with the
+    // truth for the right glass.
     let case = &stability::interfaces::critical_angles()[0];
     let mut wrong = case.clone();
     wrong.lens.surfaces.iter_mut().for_each(|surface| surface.n_film = 0.5 * (1.0 + surface.n_film));
@@ -206,7 +207,7 @@ fn the_pages_failing_lenses_fail_for_the_stated_reasons() {
 
 #[test]
 fn an_asphere_behind_a_plane_is_searched_from_the_rays_start() {
-    // Their first surface is a plane that only limits, inside the bulge of the asphere behind it.
+    // The first surface of these lenses is a plane that only limits, inside the bulge of the asphere behind it.
     for number in [1985, 2793, 5932] {
         all_hold(&random::against_reference(random::Kind::Aspheres, number..number + 1, &tracers()));
     }
@@ -283,7 +284,7 @@ fn every_refraction_keeps_directions_near_the_critical_angle() {
 
 #[test]
 fn a_tiny_lens_far_behind_the_first_has_its_own_focal_length() {
-    // A ball behind a kilometre of air and a window of no power, which changes nothing.
+    // The lens is a ball behind a kilometre of air and a window of no power, which changes nothing.
     let ball = "0.0005 0.001 1.6 0.0008\n-0.0005 0 1 0.0008";
     let alone = FirstOrder::of(&lens(ball)).expect("focal").focal_length;
     let far = FirstOrder::of(&lens(&format!("0 5 1.5 80\n0 1e6 1 80\n{ball}"))).expect("focal").focal_length;

@@ -1,4 +1,5 @@
-//! Direct light and ghosts of the library against photons of all orders of reflection: the energy balance of a lens.
+//! Direct light and ghosts of the library against photons of all orders of reflection, and the energy balance of a
+//! lens.
 
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -13,7 +14,7 @@ use realistic_optics::{
 /// The quarter-wave film of MgF2.
 const FILM: (f64, f64) = (1.38, 550.0 / 4.0 / 1.38);
 
-/// Cells of the library's grids along a side: for the direct light, and for each pair.
+/// Cells along a side of the library's grids: of the grid for the direct light, and of the grid for each pair.
 type Cells = [usize; 2];
 
 /// Returns the library's direct light and ghosts on the film's disk, per 1 W that enters.
@@ -26,7 +27,8 @@ fn product(lens: &Lens, coating: Coating, toward: [f64; 3], plane: f64, spot: f6
     };
     let direct = inside(&ghosts.spray(ghosts.direct(), lamp, cells[0]));
     let pairs: f64 = ghosts.pairs().map(|(_, path)| inside(&ghosts.spray(&path, lamp, cells[1]))).sum();
-    // The power at 1 W/m² that meets the front surface, a disk of its clear aperture seen along the light.
+    // The power at 1 W/m² that meets the front surface: the irradiance times the area of the clear aperture's disk
+    // projected along the light.
     let length = toward.iter().map(|x| x * x).sum::<f64>().sqrt();
     let entering = entered(lens, toward.map(|x| x / length));
     [direct / entering, pairs / entering]
@@ -34,8 +36,8 @@ fn product(lens: &Lens, coating: Coating, toward: [f64; 3], plane: f64, spot: f6
 
 /// Returns the projected area of the front surface inside its clear aperture, m², as seen along the light.
 fn entered(lens: &Lens, toward: [f64; 3]) -> f64 {
-    // The flux through the aperture's disk: all light that crosses it meets the surface, as long as no ray enters over
-    // the edge.
+    // The power is the flux through the aperture's disk: all light that crosses the disk meets the surface, as long as
+    // no ray enters over the edge.
     let area = std::f64::consts::PI * lens.front().semi_diameter.powi(2) * 1e-6;
     area * toward[2]
 }
@@ -43,9 +45,10 @@ fn entered(lens: &Lens, toward: [f64; 3]) -> f64 {
 /// Radius of the film's disk, mm.
 const SPOT: f64 = 20.0;
 
-/// Compares the library's direct light and ghosts with the photons', and checks the energy balance: the library's two
-/// with the photons' further reflections, light beside the film, light on mounts and stop, and light back to the scene
-/// add up to all that enters. Every difference must be below `bound` standard errors; returns the largest.
+/// Compares the library's direct light and ghosts with the photons', and checks the energy balance: the library's
+/// direct light and ghosts, plus the photons with further reflections, beside the film, on mounts and stop, and back to
+/// the scene, add up to all light that enters. Every difference must be below `bound` standard errors; returns the
+/// largest.
 fn check(name: &str, field: f64, photons: u32, cells: Cells, bound: f64) -> f64 {
     let lens = Lens::at_d_line(&catalogue::find(name).expect("in the catalogue"));
     let plane = FirstOrder::of(&lens).expect("a focal length").rear_focal_point;
@@ -58,7 +61,7 @@ fn check(name: &str, field: f64, photons: u32, cells: Cells, bound: f64) -> f64 
         assert!((all - 1.0).abs() < 1e-12, "{name}: every photon ends somewhere, {all}");
         let [by_rays, by_pairs] = product(&lens, coating, toward, plane, SPOT, cells);
         let error = |share: f64| truth.error(share);
-        // The edges of a grid amount to a few cells in ten thousand.
+        // The error at the edges of a grid amounts to a few cells in ten thousand.
         let near = |a: f64, b: f64, what: &str| {
             let off = (a - b).abs() / (error(b).hypot(2e-3 * b).max(1.0 / f64::from(photons)));
             assert!(off < bound, "{name} at {field} degrees, {coating:?}: {what} {a}, by photons {b}");
@@ -105,8 +108,8 @@ fn of_every_lens<R: Send>(work: impl Fn(&str) -> R + Sync) -> Vec<R> {
     })
 }
 
-/// Returns the number of photons that gives a share of them a standard error of 0.5 %. Most photons miss the pupil of a
-/// wide front; the limit is 2 million, which take a second.
+/// Returns the number of photons for which a share of them has a standard error of 0.5 %. Most photons miss the pupil
+/// of a wide front; the limit is 2 million, which take a second.
 fn photons_for(share: f64) -> u32 {
     ((1.0 - share) / share / 0.005_f64.powi(2)).clamp(20_000.0, 2e6).ceil() as u32
 }
@@ -114,7 +117,7 @@ fn photons_for(share: f64) -> u32 {
 #[test]
 #[ignore = "a sweep of a minute and more, which .ci/run makes: photons through the whole catalogue"]
 fn films_have_the_watts_of_photons_in_every_catalogue_lens() {
-    // Deviation of each film in standard errors, and whether the standard error meets its target.
+    // The deviation for each film, in standard errors, and whether the standard error meets its target.
     let of_a_lens = |name: &str| {
         let mut films = Vec::new();
         let lens = Lens::at_d_line(&catalogue::find(name).expect("in the catalogue"));
@@ -128,8 +131,8 @@ fn films_have_the_watts_of_photons_in_every_catalogue_lens() {
                 let [direct, pairs] = product(&lens, coating, toward, plane, SPOT, [300, 24]);
                 let photons = photons_for(direct + pairs);
                 let truth = balance(&lens, film, toward, plane, SPOT, photons, 9);
-                // The library leaves out higher orders of reflection. Every photon has a fate, so this is also the
-                // deviation of the library's light plus the other photons from all that enters.
+                // The library leaves out higher orders of reflection. Every photon has a fate, so this deviation is
+                // also that of the library's light plus the other photons from all light that enters.
                 let expected = truth.direct + truth.two;
                 let error = truth.error(expected);
                 let off = (direct + pairs - expected) / error;
@@ -155,7 +158,7 @@ fn films_have_the_watts_of_photons_in_every_catalogue_lens() {
     println!("{precise} of them with a standard error of 0.5 %");
     let mean = squares / f64::from(count);
     println!("mean square {mean:.2}");
-    // Chance lets 0.4 of 144 normal deviates exceed 3; the mean of their squares is 1 within 0.12.
+    // By chance, 0.4 of 144 normal deviates exceed 3, and the mean of their squares is 1 within 0.12.
     assert!(lenses >= 24 && beyond <= 1 && most < 4.0, "{beyond} of {count}, {most}");
     assert!(mean < 1.0 + 4.0 * (2.0 / f64::from(count)).sqrt(), "{mean}");
 }
@@ -166,7 +169,7 @@ fn every_watt_is_accounted_for_in_every_lens_of_the_catalogue() {
     let found = of_every_lens(|name| {
         let lens = Lens::at_d_line(&catalogue::find(name).expect("in the catalogue"));
         let focal_length = FirstOrder::of(&lens).expect("a focal length").focal_length;
-        // A third of the film off the axis, and no light over the front's edge.
+        // The lamp's image lies a third of the film's radius off the axis, and no light enters over the front's edge.
         let field = (SPOT / (3.0 * focal_length)).atan().to_degrees().min(10.0);
         check(name, field, 20_000, [200, 24], 4.5)
     });
@@ -198,8 +201,8 @@ fn a_cameras_ghosts_are_the_photons_that_are_reflected_twice() {
     });
 }
 
-/// Compares a camera's ghosts of a cone of the sky 12 degrees wide, its middle `field` degrees off the axis, with
-/// photons from it.
+/// Compares a camera's ghosts of a cone of the sky with photons from the same cone, which is 12 degrees wide and has
+/// its middle `field` degrees off the axis.
 fn compare_ghosts(name: &str, field: f64, transmission: Transmission, film: Option<(f64, f64)>) {
     let cosine = 6.0_f64.to_radians().cos();
     let solid_angle = std::f64::consts::TAU * (1.0 - cosine);
@@ -233,7 +236,7 @@ fn compare_ghosts(name: &str, field: f64, transmission: Transmission, film: Opti
     let n = f64::from(count);
     let area = 1e-6 * (100.0 * facts.film.pixel()).powi(2);
     let [seen, error] = [area * sum / n, area * ((squares / n - (sum / n).powi(2)) / n).sqrt()];
-    // The same by photons: directions of the cone, and the shares of the entering light from each.
+    // Photons give the same ghosts: directions of the cone, and from each the shares of the entering light.
     let directions = 40;
     let each: Vec<f64> = (0..directions)
         .map(|seed| {

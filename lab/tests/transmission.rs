@@ -1,5 +1,6 @@
-//! The effect of `transmission` on rays against the exact product over their surfaces: the catalogue at three stops,
-//! and random lenses of spheres and of aspheres; bare and coated, at a camera's own wavelength and at others.
+//! The effect of `transmission` on rays, against the exact product over their surfaces. The lenses are the catalogue's
+//! at three stops, and random lenses of spheres and of aspheres; they are bare or coated, at the camera's own
+//! wavelength and at others.
 
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus as Random;
@@ -37,7 +38,7 @@ impl Worst {
         let Some(own) = exact(o, d) else { return };
         let mut off = (ratio / own - 1.0).abs();
         if off > PROMISED {
-            // The ray's components are rounded to single precision, which changes the result by more near grazing
+            // The ray's components are rounded to single precision, which changes the result more near grazing
             // incidence.
             for (vector, k) in (0..6).map(|number| (number / 3, number % 3)) {
                 let moved = |by: f64| {
@@ -73,7 +74,8 @@ fn at(prescription: &Prescription, own: &Lens, nm: f64) -> Lens {
     lens
 }
 
-/// Compares some samples of a camera, at its own wavelength and at others. `None` if the camera cannot be built.
+/// Compares some samples of a camera, at its own wavelength and at others. Returns `None` if the camera cannot be
+/// built.
 fn worst(
     prescription: &Prescription,
     builder: &CameraBuilder,
@@ -81,8 +83,8 @@ fn worst(
     samples: u32,
 ) -> Option<Worst> {
     let coatings = coatings(transmission, prescription).expect("coatings").expect("light is lost");
-    // A coated camera of a lens without dispersion has the plain one's pupil at other wavelengths
-    // only if it is a disk.
+    // At other wavelengths, a coated camera of a lens without dispersion has the plain camera's pupil only if that
+    // pupil is a disk.
     let builder = builder.clone().pupil(Pupil::Rear);
     let plain = builder.clone().build().ok()?;
     let camera = builder.transmission(transmission).build().ok()?;
@@ -103,7 +105,7 @@ fn worst(
     Some(found)
 }
 
-/// Compares a lens of the catalogue at an f-number times its own. Films are as wide as its image.
+/// Compares a lens of the catalogue at its own f-number times a factor. The film is as wide as the lens's image.
 fn of_catalogue(name: &str, closed: f32, number: usize, samples: u32) -> Worst {
     let film_diagonal = match name {
         "phone.4mm" => 6.0,
@@ -119,7 +121,7 @@ fn of_catalogue(name: &str, closed: f32, number: usize, samples: u32) -> Worst {
     worst(&prescription, &builder, COATINGS[number % COATINGS.len()], samples).expect("a camera")
 }
 
-/// Compares a random lens on film beside its last surface; `None` if it does not make a lens.
+/// Compares a random lens on film beside its last surface; `None` if no lens can be made of the text.
 fn of_text(text: &str, number: usize, samples: u32) -> Option<Worst> {
     let prescription = read("own.dat", text.as_bytes()).ok()?;
     let rear = prescription.interfaces.last()?.semi_diameter as f32;
@@ -164,7 +166,7 @@ fn thick_stacks_are_computed_for_every_ray() {
     }
 }
 
-/// Runs many comparisons in parallel, each in its own thread, and returns the worst with its name.
+/// Runs many comparisons in parallel, each in its own thread, and returns the worst of them with its name.
 fn side_by_side<T: Send>(
     items: impl Iterator<Item = T>,
     work: impl Fn(T) -> Vec<(String, Worst)> + Sync,

@@ -25,7 +25,7 @@ const FILES: [&[u8]; 12] = [
     b"NM A 1 0 1.4 57\nCD 2.30 -0.80 0.014 0 0 0 x\nLD 0.4 1.6\nIT 0.70 12.0 10\nNM F4 2 0\nCD 1 0.01 0.2 0.16 1 100\n",
 ];
 
-/// Returns the bytes of a lens file, some of them replaced by tokens of the format, or cut out.
+/// Returns the bytes of a lens file, with some of them replaced by tokens of the format or cut out.
 fn mutated() -> impl Strategy<Value = Vec<u8>> {
     let insertion = prop_oneof![
         Just(b"-".to_vec()),
@@ -56,7 +56,7 @@ fn bytes(size: usize) -> impl Strategy<Value = Vec<u8>> {
     proptest::collection::vec(any::<u8>(), 0..size)
 }
 
-/// Runs `check` on `cases` inputs; at least `least` must be accepted, or the test covers too little.
+/// Runs `check` on `cases` inputs; at least `least` of them must be accepted, or the test covers too little.
 fn many(cases: u32, strategy: impl Strategy<Value = Vec<u8>>, least: u32, check: fn(&[u8]) -> bool) {
     let accepted = std::cell::Cell::new(0);
     proptest::test_runner::TestRunner::new(properties::cases(cases))

@@ -1,7 +1,7 @@
 //! Seed inputs of the fuzzer (`fuzz/README.md`): lens files of every form, and options and samples of cameras that
 //! build, in the byte format that `fuzz/bodies/c_abi` decodes.
 //!
-//! `REALISTIC_WRITE_SEEDS=DIR cargo test --test abi seeds` writes them to `DIR/lens_text` and `DIR/c_abi`.
+//! `REALISTIC_WRITE_SEEDS=DIR cargo test --test abi seeds` writes the inputs to `DIR/lens_text` and `DIR/c_abi`.
 
 use super::fuzz_bodies::{c_abi, lens_text};
 
@@ -13,8 +13,9 @@ const CATALOGUE: [&[u8]; 5] = [
     include_bytes!("../../crates/optics/lenses/wide.22mm.dat"),
 ];
 
-/// Small lens files: a focal length, commas, words for planes and stops, glasses by name, by code and by group, old
-/// line endings, an asphere, a zoom in Optical Bench's format, UTF-16, statements of Zemax files, a column of radii.
+/// Small lens files, which contain: a focal length; commas; words for planes and stops; glasses by name, by code and by
+/// group; old line endings; an asphere; a zoom in Optical Bench's format; UTF-16; statements of Zemax files; a column
+/// of radii.
 const SMALL: [&[u8]; 13] = [
     b"# radius thickness eta aperture_radius\n0.0 2.0 0.0 9.0\n65.0 6.0 517642 11.0\n-65.0 52.0 AIR 11.0\n",
     b"MODE SEQ\nENPD 10\nGCAT SCHOTT\nWAVM 1 0.5875618 1\nSURF 0\n  DISZ INFINITY\nSURF 1\n  STOP\n  CURV 0.02\n  DISZ 4\n  \
@@ -95,7 +96,7 @@ impl Writer {
 /// A camera, as indices into the lists of `options`.
 #[derive(Clone, Default)]
 struct Seed {
-    /// Words for lens, weighting, pupil, disk, refraction, precision and shutter; `None` if not given.
+    /// Words for lens, weighting, pupil, disk, refraction, precision and shutter; `None` for a word that is not given.
     words: [Option<usize>; 7],
     /// Some of the 14 numbers, with their index in the list.
     numbers: Vec<(usize, f64)>,
@@ -139,7 +140,7 @@ impl Seed {
             [0.0, 1.0].iter().for_each(|&time| to.number(time));
             (0..12).for_each(|entry| to.float(if entry == 3 { 0.5 } else { 0.0 }));
         }
-        // Neither zoomed nor focused by its groups.
+        // The lens is neither zoomed nor focused by its groups.
         to.choice(1);
         to.choice(usize::from(self.blades.is_none()));
         if let Some(blades) = self.blades {
@@ -170,8 +171,8 @@ impl Seed {
         to.0
     }
 
-    /// Writes strides, wavelengths, importance and a crop window: one of the four in turn, and all of them for the
-    /// first camera.
+    /// Writes strides, wavelengths, importance or a crop window: one of the four in turn, and all four for the first
+    /// camera.
     fn newer(&self, number: usize, to: &mut Writer) {
         let asks = |which: usize| number == 0 || number % 4 == which;
         let mut parts = (0..).map(|i: u32| (0.569_840_290_998_053 * f64::from(i + 1)).fract());
@@ -203,7 +204,7 @@ impl Seed {
         let mut all = vec![plain.clone()];
         for (index, count) in [6, 4, 3, 3, 3, 3, 3].into_iter().enumerate() {
             for word in 0..count {
-                // Word 4 is not a catalogue name: "@1e9mm" is a scale, "@mm" is not.
+                // Word 4 is no catalogue name: "@1e9mm" is a scale, but "@mm" is not.
                 if (index, word) != (0, 4) {
                     let mut seed = plain.clone();
                     seed.words[index] = Some(word);

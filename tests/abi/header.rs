@@ -59,7 +59,7 @@ fn read(file: &str) -> String {
     std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(file)).expect("a file of the project")
 }
 
-/// Returns the library's exported functions, by its source.
+/// Returns the library's exported functions, found in its source.
 fn exported() -> Vec<String> {
     let mut found = Vec::new();
     let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("src/abi")];
@@ -102,12 +102,12 @@ fn every_exported_function_is_declared_and_called_outside_tests() {
 #[test]
 fn realistic_hpp_reaches_every_function_of_the_header() {
     let (header, hpp) = (read("include/realistic.h"), read("include/realistic.hpp"));
-    // The header's inline functions call some of the others.
+    // The header's inline functions call some of the other functions.
     let (_, inlined) = header.split_once("static inline").expect("inlined functions");
     let mut all = functions(&header);
     all.retain(|name| !functions(inlined).contains(name) || exported().contains(name));
     assert!(all.len() >= 25 && all.contains(&"realistic_capabilities".to_owned()), "{all:?}");
-    // A function is used by its name, or as a line of the list that defines the members of `Api`.
+    // A function is used if its name occurs, or if it is a line of the list that defines the members of `Api`.
     let lacking = all.iter().filter(|name| {
         let listed = format!("X({})", name.trim_start_matches("realistic_"));
         !hpp.contains(&listed) && !functions(&hpp).contains(name)

@@ -23,7 +23,7 @@ fn of_model(model: &str) -> Camera {
 }
 
 fn last_error() -> String {
-    // SAFETY: lives until this thread's next failure.
+    // SAFETY: the message lives until this thread's next failure.
     unsafe { CStr::from_ptr(realistic_last_error()) }.to_str().expect("UTF-8").to_owned()
 }
 
@@ -70,7 +70,7 @@ fn the_numbers_are_the_librarys() {
         let scene_columns = scene();
         let (mut toward, mut counted) = (columns::<7>(), columns::<6>());
         let (inputs, room, found) = (points(&scene_columns), aimed(&mut toward), importance(&mut counted));
-        // SAFETY: columns of N numbers.
+        // SAFETY: the columns have N numbers.
         let status = unsafe { realistic_camera_sample_importance(handle.0, N, &inputs, &room, &found) };
         assert_eq!(status, realistic_status::Ok, "{}", last_error());
         let [x, y, z, u, v, time] = &scene_columns;
@@ -87,13 +87,13 @@ fn the_numbers_are_the_librarys() {
             }
             same(&counted, i, &aim.importance);
         }
-        // The rays themselves, without times of their own.
+        // The same rays are requested without times of their own.
         let [ox, oy, oz, dx, dy, dz, _] = toward;
         let along = [ox, oy, oz, dx, dy, dz, vec![0.5; N]];
         let mut again = columns::<6>();
         let (mut rays, found) = (rays(&along), importance(&mut again));
         rays.time = realistic_input::NONE;
-        // SAFETY: columns of N numbers.
+        // SAFETY: the columns have N numbers.
         let status = unsafe { realistic_camera_importance(handle.0, N, &rays, &found) };
         assert_eq!(status, realistic_status::Ok, "{}", last_error());
         let ray = |i: usize| WorldRay {
@@ -111,15 +111,15 @@ fn the_numbers_are_the_librarys() {
 
 #[test]
 fn what_single_precision_cannot_hold_counts_nothing() {
-    // We is 1 over the film's area, 565e24 square units, times the transmission of a leaf shutter: 4e-20 just after it
-    // opens.
+    // We is 1 over the film's area, 565e24 square units, times the transmission of a leaf shutter, which is 4e-20 just
+    // after it opens.
     let camera = camera(|options| {
         (options.xres, options.yres, options.mm_per_unit) = (60, 40, 1e-12);
         options.shutter = c"leaf".as_ptr();
     });
     let sample = realistic_sample { image_x: 31.0, image_y: 19.0, lens_u: 0.5, lens_v: 0.5, time: 0.5 };
     let mut ray = realistic_ray::default();
-    // SAFETY: a live camera.
+    // SAFETY: the camera is live.
     let weight = unsafe { realistic_generate_ray(camera.0, &sample, null(), &mut ray) };
     assert!(weight > 0.0);
     let [[ox, oy, oz], [dx, dy, dz]] = [ray.o, ray.d.map(|part| -part)];
@@ -128,7 +128,7 @@ fn what_single_precision_cannot_hold_counts_nothing() {
     let mut inputs = rays(&along);
     let times = [0.5, 1e-20];
     inputs.time = realistic_input::columns([times.as_ptr(), null(), null()]);
-    // SAFETY: columns of two numbers.
+    // SAFETY: the columns have two numbers.
     let status = unsafe { realistic_camera_importance(camera.0, 2, &inputs, &importance(&mut counted)) };
     assert_eq!(status, realistic_status::Ok, "{}", last_error());
     assert!(counted.iter().all(|column| column[0] > 0.0), "{counted:?}");
@@ -144,7 +144,7 @@ fn invalid_requests_are_refused_and_change_nothing() {
     let (points, rays) = (points(&scene_columns), rays(&along));
     let (aimed, found) = (aimed(&mut toward), importance(&mut counted));
     let sample = |camera: *const realistic_camera, n, points: &_, aimed: &_, found: &_| {
-        // SAFETY: columns of N numbers, or of none where n is 0 or the call fails.
+        // SAFETY: the columns have N numbers, or none where n is 0 or the call fails.
         unsafe { realistic_camera_sample_importance(camera, n, points, aimed, found) }
     };
     let count = |camera: *const realistic_camera, n, rays: &_, found: &_| {
@@ -206,7 +206,7 @@ fn any_bits_are_answered_from_any_number_of_threads() {
                 let camera = camera as *const realistic_camera;
                 let (toward_room, first, second) =
                     (aimed(&mut toward), importance(&mut counted), importance(&mut again));
-                // SAFETY: columns of N numbers; the camera lives until the threads have ended.
+                // SAFETY: the columns have N numbers; the camera lives until the threads have ended.
                 unsafe {
                     let points = points(&scene_columns);
                     let status = realistic_camera_sample_importance(camera, N, &points, &toward_room, &first);

@@ -11,7 +11,7 @@ use realistic::ffi::*;
 fn new_options() -> realistic_options {
     let mut options = MaybeUninit::<realistic_options>::zeroed();
     let size = size_of::<realistic_options>() as u32;
-    // SAFETY: room for the whole structure.
+    // SAFETY: there is room for the whole structure.
     let mut options = unsafe {
         assert_eq!(realistic_options_init(options.as_mut_ptr(), size), realistic_status::Ok);
         options.assume_init()
@@ -51,7 +51,7 @@ fn every_model_can_be_made_and_looks_ahead() {
 #[test]
 fn a_camera_moves_while_the_shutter_is_open() {
     let mut end = new_options().camera_to_world;
-    // A quarter turn about y and a move along x.
+    // The camera makes a quarter turn about y and moves along x.
     [end[0], end[2], end[8], end[10], end[3]] = [0.0, 1.0, -1.0, 0.0, 6.0];
     for model in [c"lens", c"thick", c"perspective"] {
         let options = realistic_options { model: model.as_ptr(), camera_to_world_end: end, ..new_options() };

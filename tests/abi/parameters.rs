@@ -1,6 +1,6 @@
-//! Files generated from the table of parameters for use outside Rust: the options in the header, the Python package's
-//! types, and the table of docs/parameters.md. `REALISTIC_WRITE_HEADER=1 cargo test --test abi up_to_date` regenerates
-//! all of them.
+//! Files for use outside Rust that are generated from the table of parameters: the options in the header, the Python
+//! package's types, and the table of docs/parameters.md. `REALISTIC_WRITE_HEADER=1 cargo test --test abi up_to_date`
+//! regenerates all of them.
 
 use std::{fmt::Write, fs, path::Path};
 
@@ -13,7 +13,7 @@ fn read(file: &str) -> String {
 /// Compares a checked-in file with its generated content; writes the file first if requested.
 ///
 /// # Panics
-/// They differ.
+/// The file differs from the generated content.
 pub fn compare(file: &str, made: &str) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
     if std::env::var_os("REALISTIC_WRITE_HEADER").is_some() {
@@ -26,7 +26,7 @@ pub fn compare(file: &str, made: &str) {
 }
 
 /// Returns the members of `realistic_options` as Rust source, for cbindgen, which does not expand macros: the host's
-/// members from `src/abi/options.rs`, then one for each parameter.
+/// members from `src/abi/options.rs`, followed by one member for each parameter.
 pub fn options_source() -> String {
     let source = read("src/abi/options.rs");
     let after = |text: &str, mark: &str| text.split_once(mark).expect("the macro's call").1.to_owned();
@@ -159,7 +159,7 @@ fn line(row: &Parameter) -> String {
         name if row.kind == Kind::Text && !name.is_empty() => code(&name),
         other => other.to_owned(),
     };
-    // Parameters of models without a lens start with the model.
+    // The line of a parameter of models without a lens starts with the model.
     let of = if row.models.contains(&Model::Lens) {
         String::new()
     } else {

@@ -1,10 +1,11 @@
-"""Holds the written tables against one another; fails if a difference is larger than the limits below.
+"""Compares the written tables with one another; fails if a difference is larger than the limits below.
 
 1. rays_<program>.csv against an exact trace of the same rays.
-2. truth_*.csv against both programs: scene rays as they are, film rays through the lens turned round.  The blocked
-   rays against rayoptics' own verdicts (it has none for turned_back).
+2. truth_*.csv against both programs: scene rays as they are, film rays through the reversed lens. Blocked rays are
+   compared with rayoptics' own verdicts (it has none for turned_back).
 3. The exact tracer against itself: every passing film ray, sent back, must return along its line.
-4. first_order.csv against y-nu paraxial tracing in 70 digits, that against exact rays very close to the axis.
+4. first_order.csv against y-nu paraxial tracing in 70 digits, and this tracing against exact rays very close to the
+   axis.
 """
 
 import csv
@@ -22,8 +23,8 @@ from truth import Interface, back_focus, dot, interfaces, trace
 HERE = Path(__file__).parent
 # Largest differences allowed: points in mm, directions in radians, first-order data relative to the focal length.
 LIMIT_RAY, LIMIT_FIRST_ORDER, LIMIT_EXACT = 1e-10, 1e-12, 1e-45
-# optiland solves for the sphere from where the ray starts, and its error grows with the square of that distance:
-# 1e-10 mm from 1e4 mm off.  Moved to near the lens, the same rays agree to 2e-14 mm.
+# optiland solves for the sphere from the start of the ray, and its error grows with the square of that distance: 1e-10
+# mm from 1e4 mm away. Moved near the lens, the same rays agree to 2e-14 mm.
 FAR_START, LIMIT_FAR = 1e3, 1e-9
 
 failures = []
@@ -43,7 +44,7 @@ def read(name: str) -> list[dict]:
 
 
 def turned_round(lens: Lens) -> Lens:
-    """The lens seen from the film: z becomes (last vertex's z) - z."""
+    """Returns the lens seen from the film: z becomes (last vertex's z) - z."""
     rows = []
     for k in reversed(range(len(lens.rows))):
         row = lens.rows[k]
@@ -134,7 +135,8 @@ def check_return():
 
 
 def transfer(system: list[Interface], y, slope, first: int, last: int):
-    """A paraxial ray met at `first` with this height and slope before it; its height there and slope behind `last`."""
+    """Traces a paraxial ray that meets `first` with this height and slope; returns its height there and its slope
+    behind `last`."""
     reduced = slope * system[first].scene_index
     for k in range(first, last + 1):
         if k > first:
@@ -146,7 +148,8 @@ def transfer(system: list[Interface], y, slope, first: int, last: int):
 
 def exact_first_order(lens: Lens) -> dict:
     def half(system: list[Interface], stop: int):
-        """Focal length, focal distance and image of the stop on the side the light goes to."""
+        """Returns the focal length, the focal distance and the image of the stop, on the side toward which the light
+        travels."""
         end = len(system) - 1
         y, slope = transfer(system, mpf(1), mpf(0), 0, end)
         centre, centre_slope = transfer(system, mpf(0), mpf(1), stop, end)

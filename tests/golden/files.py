@@ -1,8 +1,8 @@
-"""The lens files of files/ as optiland's and rayoptics' own readers read them; writes files_<program>.csv.
+"""Files of the folder files/ as read by optiland's and rayoptics' own readers; writes files_<program>.csv.
 
 A row is a quantity (focal length, back focal distance, mm) or a ray from the scene to the film in lens space, as in
-rays.py.  Both programs keep the file's unit, so that a file in inches is multiplied by 25.4 here.  Rays pass all
-clear apertures.
+rays.py.  Both programs keep the file's unit, so the lengths of a file in inches are multiplied by 25.4 here.  Rays
+pass all clear apertures.
 """
 
 import math
@@ -19,9 +19,9 @@ from rayoptics.raytr.raytrace import trace as rayoptics_trace
 
 FOLDER = Path(__file__).parent / "files"
 WAVELENGTH = 587.56
-# Where rayoptics has a glass of two numbers at exactly its n_d, as we have at 587.56 nm.
+# Wavelength at which rayoptics gives a glass of two numbers exactly its n_d, as this library does at 587.56 nm.
 RAYOPTICS_D = 587.5618
-# File, unit in mm, half field in degrees, radius of the beam at the first vertex in mm.
+# File, unit in mm, half field in degrees, and radius of the beam at the first vertex in mm.
 FILES = (("aspheres.zmx", 1.0, 8.0, 5.0), ("inches.zmx", 25.4, 10.0, 3.5), ("bench.txt", 1.0, 8.0, 5.0))
 
 
@@ -40,7 +40,7 @@ def rays(name: str, half_field: float, radius: float) -> np.ndarray:
 
 
 def sections(path: Path) -> dict[str, list]:
-    """Optical Bench text as rayoptics has it from its address: lines of cells by heading."""
+    """Returns Optical Bench text in the form in which rayoptics downloads it: lines of cells by heading."""
     found = {}
     for line in path.read_text().splitlines():
         if line.startswith("["):
@@ -72,7 +72,7 @@ def by_rayoptics(path: Path, unit: float, inputs: np.ndarray) -> tuple[list[floa
     else:
         model, wavelength = read_bench(sections(path)), RAYOPTICS_D
     model["optical_spec"]["wvls"] = WvlSpec([(wavelength, 1.0)], ref_wl=0)
-    # From its customary infinity of 1e10 the program computes first-order data to six digits only.
+    # With its customary infinity of 1e10, the program computes first-order data to six digits only.
     sequence = model["seq_model"]
     sequence.gaps[0].thi = 1000.0
     model.update_model()

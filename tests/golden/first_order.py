@@ -29,21 +29,21 @@ QUANTITIES = ("focal_length", "back_focal_distance", "front_focal_distance", "fr
 
 def by_optiland(lens: Lens) -> tuple[float, ...]:
     parax = optiland_model(lens).paraxial
-    # It measures the image side from the image plane.
+    # The program measures the image side from the image plane.
     return tuple(np.asarray(v).item() for v in (
         parax.f2(), parax.F2() + IMAGE_DISTANCE, parax.F1(), parax.P1(), parax.P2() + IMAGE_DISTANCE,
         parax.EPL(), parax.EPD(), parax.XPL() + IMAGE_DISTANCE, parax.XPD(), parax.FNO()))
 
 
 def by_rayoptics(lens: Lens) -> tuple[float, ...]:
-    # None of this depends on where the object is, but from its customary infinity of 1e10 mm the program computes
-    # the pupils to six digits only.
+    # None of this depends on the position of the object; but with its customary infinity of 1e10 mm, the program
+    # computes the pupils to six digits only.
     data = rayoptics_model(lens, object_distance=1000.0)["analysis_results"]["parax_data"]
     fod = data.fod
-    # It takes an entrance pupil and not a stop's diameter: scale what came of a pupil of 1 mm.
+    # The program takes the diameter of an entrance pupil, not of a stop: scale the result for a pupil of 1 mm.
     scale = lens.rows[lens.stop].diameter / 2 / abs(data.ax_ray[lens.stop + 1][0])
     entrance = 2 * fod.enp_radius * scale
-    # Its own exp_dist presumes an image plane at the paraxial image; ours is just somewhere.
+    # The program's own exp_dist presumes an image plane at the paraxial image; the plane here is arbitrary.
     height, slope = data.pr_ray[-1][:2]
     exit_position = IMAGE_DISTANCE - height / slope
     return tuple(float(v) for v in (

@@ -1,21 +1,23 @@
-"""Ghosts of a lamp by the methods of three flare programs, each in a few lines, and by the product of all surfaces.
+"""Ghosts of a lamp by the methods of three flare programs, each in a few lines, and by the exact product of all
+surfaces.
 
     python tests/golden/ghost_ways.py
 
-Prints the table of benches/record/2026-11-27-light.md: watts of all pairs on film, of 1 W that enters dgauss.50mm.  Needs NumPy alone, and
-shares no code with the library.  What the programs do was read in their sources, and is modelled here in other words:
+Prints the table of benches/record/2026-11-27-light.md: watts of all pairs on film, per 1 W that enters dgauss.50mm. It
+needs only NumPy, and shares no code with the library. The programs' methods were read in their sources, and are
+modelled here in other words:
 
-- physical-camera (github.com/sidp/physical-camera, addon/lens_camera.osl.template, commit db6f9ae): bare surfaces by the
-  mean of s and p, coated ones by a film at normal incidence of which the phase alone changes with the angle, three layers'
-  as the cube of its share of the bare surface's; all over the lens's transmission on the axis; rays within a paraxial disk
-  in the exit pupil's plane; a lamp is counted by uniform samples and again by aimed ones, which have the weight of the
-  whole disk.
-- ghostlight (github.com/JaydenB/ghostlight, src/ghost.cpp, ghost_render.cu, tmm.h, commit 0c2dc68): the mean of s and p at
-  each surface, by the transfer matrix; a pair times the box of its axial ghost over the sensor's area, from 1 to 100, and
-  all times 1000.
-- FlareSim (github.com/LocalStarlight/flaresim_nuke, src/fresnel.h, trace.cpp, ghost.cpp, commit 0e28ead): bare surfaces by
-  the mean of s and p, coated ones by s alone, each further layer of the lens file's column a quarter of it; the same
-  factors.
+- physical-camera (github.com/sidp/physical-camera, addon/lens_camera.osl.template, commit db6f9ae): a bare surface
+  reflects the mean of s and p. A coated surface reflects as a film at normal incidence, of which only the phase changes
+  with the angle; three layers multiply the bare surface's reflectance by the cube of the film's share of it. The sum is
+  divided by the lens's transmission on the axis. Rays lie within a paraxial disk in the exit pupil's plane. A lamp is
+  counted by uniform samples and again by aimed samples, which have the weight of the whole disk.
+- ghostlight (github.com/JaydenB/ghostlight, src/ghost.cpp, ghost_render.cu, tmm.h, commit 0c2dc68): each surface
+  reflects the mean of s and p, by the transfer matrix. A pair is multiplied by the area of its axial ghost's box over
+  the sensor's area, from 1 to 100, and all pairs are multiplied by 1000.
+- FlareSim (github.com/LocalStarlight/flaresim_nuke, src/fresnel.h, trace.cpp, ghost.cpp, commit 0e28ead): a bare
+  surface reflects the mean of s and p, a coated surface s alone; each further layer in the lens file's column leaves a
+  quarter of that. The factors are ghostlight's.
 """
 
 from collections.abc import Callable
@@ -31,9 +33,10 @@ Pair = tuple[int, int] | None
 
 LENS = Path(__file__).parents[2] / "crates" / "optics" / "lenses" / "dgauss.50mm.dat"
 WAVELENGTH, DESIGN, FLUORIDE = 587.56, 550.0, 1.38
-# The film's disk and FlareSim's and ghostlight's sensor, mm; the sun's radius.
+# The disk of the film, and the sensor of FlareSim and ghostlight, mm; the sun's angular radius.
 SPOT, SENSOR, SUN = 20.0, 36.0 * 24.0, np.radians(0.265)
-# Layers from the air on, index and waves: bare, one, and the three of a broadband coating.
+# Layers from the air on, by index and thickness in waves: no coating, one layer, and the three layers of a broadband
+# coating.
 STACKS = {0: [], 1: [(FLUORIDE, 0.25)], 3: [(FLUORIDE, 0.25), (2.05, 0.5), (1.63, 0.25)]}
 FIELDS, COUNT = (0.0, 12.0), 10_000
 
@@ -50,7 +53,8 @@ class Surface:
 
 @dataclass
 class Meeting:
-    """Rays at a surface: the indices before and beyond it, where, the cosines there, s, and the directions."""
+    """Rays at a surface: the indices in front of and behind it, the points, the cosines there, s, and the
+    directions."""
 
     surface: Surface
     is_mirror: bool
@@ -93,7 +97,8 @@ def dot(a: Real, b: Real) -> Real:
 
 
 def trace(pair: Pair, p: Real, d: Real) -> tuple[list[Meeting], Real, Real]:
-    """Rays through the lens, reflected at the farther of the pair and then at the nearer; NaN where one misses."""
+    """Traces rays through the lens, reflected at the farther surface of the pair and then at the nearer; NaN for a ray
+    that misses."""
     count = len(SURFACES)
     order = [(i, False, 1) for i in range(count)]
     if pair:
@@ -122,7 +127,7 @@ def trace(pair: Pair, p: Real, d: Real) -> tuple[list[Meeting], Real, Real]:
 
 
 def amplitudes(meeting: Meeting, layers: int, is_p: bool) -> tuple[Complex, Complex]:
-    """r and t by the transfer matrix, with one of STACKS on surfaces in air; the square of |t| is a power."""
+    """Returns r and t by the transfer matrix, with one of STACKS on surfaces in air; the square of |t| is a power."""
     n, other = meeting.indices
 
     def admittance(index: float, cosine: Real) -> Real:
@@ -131,7 +136,7 @@ def amplitudes(meeting: Meeting, layers: int, is_p: bool) -> tuple[Complex, Comp
     first, last = admittance(n, meeting.cosines[0]), admittance(other, meeting.cosines[1])
     b, c = np.ones_like(first, dtype=complex), last.astype(complex)
     stack = STACKS[layers] if meeting.is_in_air else []
-    # From the side that the light leaves to.
+    # The layers are ordered from the side toward which the light leaves.
     for index, waves in stack if n > other else stack[::-1]:
         cosine = np.sqrt(1 - (n / index) ** 2 * (1 - meeting.cosines[0] ** 2))
         phase, own = 2 * np.pi * waves * DESIGN / WAVELENGTH * cosine, admittance(index, cosine)
@@ -176,7 +181,8 @@ def product(met: list[Meeting], reflectance: Reflectance, layers: int) -> Real:
 
 
 def exact(met: list[Meeting], layers: int) -> Real:
-    """The same with the electric field carried from surface to surface, the mean of two polarisations."""
+    """Returns the same share with the electric field carried from surface to surface, as the mean of two
+    polarisations."""
     left = np.zeros(len(met[0].point))
     d = met[0].directions[0]
     for start in np.eye(3)[:2]:
@@ -194,7 +200,8 @@ def exact(met: list[Meeting], layers: int) -> Real:
 
 
 def paraxial(pair: Pair) -> tuple[Real, list[Real]]:
-    """The matrix from (height, slope) before the lens to those behind its last vertex; each surface's heights for both."""
+    """Returns the matrix from (height, slope) before the lens to that behind the last vertex; and each surface's
+    heights for both."""
     step = 1e-5
     d = np.array([[0.0, 0.0, 1.0], [step, 0.0, 1.0]])
     start = np.array([[step, 0.0, 0.0], [0.0, 0.0, 0.0]])
@@ -207,7 +214,7 @@ FOCUS = REAR - float(np.divide(*paraxial(None)[0][:, 0]))
 
 
 def exit_pupil() -> tuple[float, float]:
-    """z and semi-diameter of the image of the stop."""
+    """Returns z and semi-diameter of the image of the stop."""
     matrix, heights = paraxial(None)
     stop = next(i for i, surface in enumerate(SURFACES) if len(set(surface.media)) == 1)
     across, along = heights[stop]
@@ -217,10 +224,11 @@ def exit_pupil() -> tuple[float, float]:
 
 
 def aim(pair: Pair) -> tuple[float, float, float]:
-    """physical-camera's disk for a pair, z and semi-diameter, and how often it counts the sun's light by aimed samples."""
+    """Returns physical-camera's disk for a pair, as z and semi-diameter, and how often its aimed samples count the
+    sun's light."""
     z, semi = exit_pupil()
     matrix, heights = paraxial(pair)
-    # A ray from the film's middle, 1 mm from the axis in the disk's plane.
+    # A ray starts in the film's middle and is 1 mm from the axis in the disk's plane.
     slope = 1 / (z - FOCUS)
     start = np.linalg.solve(matrix, [(REAR - FOCUS) * slope, slope])
     met = trace(pair, np.zeros((1, 3)), np.array([[0.0, 0.0, 1.0]]))[0]
@@ -239,7 +247,8 @@ def passes(met: list[Meeting]) -> NDArray[np.bool_]:
 
 
 def boost(pair: Pair) -> float:
-    """The box of the axial ghost over the sensor, as ghostlight and FlareSim have it."""
+    """Returns the area of the axial ghost's box relative to the sensor's area, from 1 to 100, as ghostlight and
+    FlareSim compute it."""
     side = (np.arange(8) + 0.5) / 4 - 1
     x, y = (SURFACES[0].semi * grid.ravel() for grid in np.meshgrid(side, side))
     start = np.stack([x, y, 0 * x - 1], axis=1)[np.hypot(x, y) <= SURFACES[0].semi]
@@ -250,7 +259,7 @@ def boost(pair: Pair) -> float:
 
 
 def shares(field: float, layers: int) -> dict[str, float]:
-    """Watts on film by each way, of 1 W that enters."""
+    """Returns the watts on film by each method, per 1 W that enters."""
     # A spiral of equal areas, by the golden angle.
     turn = np.arange(COUNT) + 0.5
     radius, angle = SURFACES[0].semi * np.sqrt(turn / COUNT), np.pi * (3 - np.sqrt(5)) * turn
@@ -265,7 +274,7 @@ def shares(field: float, layers: int) -> dict[str, float]:
         met, end, out = trace(pair, start, d)
         at = on_film(end, out)
         lands = passes(met) & (np.hypot(at[:, 0], at[:, 1]) <= SPOT) & (out[:, 2] > 0)
-        # What they have left is asked of those alone that arrive.
+        # The light that is left is computed only for the rays that arrive.
         met, end, out = trace(pair, start[lands], d[lands])
         z, disk, again = aim(pair)
         crossing = on_film(end, out, z)

@@ -1,10 +1,11 @@
-"""Writes glasses.csv: what the refractiveindex.info database says of every glass of the six makers that the library carries.
+"""Writes glasses.csv: the refractiveindex.info database's values for every glass of the six makers in the library.
 
     python tests/golden/glasses.py DATABASE
 
-DATABASE is the folder `database` of the repository polyanskiy/refractiveindex.info-database, at the commit that the head of
-crates/optics/lenses/glasses.txt names. Each page's formula is evaluated here as the database's documentation has it, in 40 digits; n_d and V_d
-are the page's own words. Nothing is shared with crates/optics/lenses/glasses.py, which makes the library's table.
+DATABASE is the folder `database` of the repository polyanskiy/refractiveindex.info-database, at the commit that the
+head of crates/optics/lenses/glasses.txt names. Each page's formula is evaluated here as the database's documentation
+defines it, in 40 digits; n_d and V_d are the values that the page states. Nothing is shared with
+crates/optics/lenses/glasses.py, which makes the library's table.
 """
 
 import re
@@ -18,7 +19,7 @@ LINES = ["0.3650146", "0.4358343", "0.4861327", "0.546074", "0.5875618", "0.6562
 
 
 def index(formula: int, c: list[Decimal], wavelength: Decimal) -> Decimal:
-    """The index by formula 1, 2 or 3; not a number where there is no root."""
+    """Returns the index by formula 1, 2 or 3; not a number if the square root does not exist."""
     square = wavelength * wavelength
     if formula == 3:
         total = c[0] + sum(c[i] * wavelength ** int(c[i + 1]) for i in range(1, len(c), 2))
@@ -29,7 +30,7 @@ def index(formula: int, c: list[Decimal], wavelength: Decimal) -> Decimal:
 
 
 def stated(text: str, name: str) -> str:
-    """A number of the page's properties, if it is there."""
+    """Returns a number of the page's properties, if the page states it."""
     found = re.search(rf"^ +{name}: +(\S+)", text, re.MULTILINE)
     return str(float(found[1])) if found else ""
 

@@ -1,4 +1,4 @@
-"""The prescriptions, transcribed, so that nothing outside this folder is needed.
+"""The prescriptions as transcriptions, so that nothing outside this folder is needed.
 
 A row is (radius, thickness to the next vertex, index behind the interface, clear diameter), front (scene)
 first.  A positive radius has its centre on the film's side; radius 0 or inf is a plane; index 0 or 1 is air.
@@ -80,7 +80,7 @@ _DGAUSS_100 = """
 -79.460 72.228 1     40.0 -
 """
 
-# Made up: both spellings of a plane, a radius of 0 that is glass and not the stop, and a singlet strong
+# An invented lens: it has both spellings of a plane, a radius of 0 that is glass and not the stop, and a singlet strong
 # enough for total reflection and misses.
 _PLANAR = """
 inf 3   1.5168 36
@@ -92,8 +92,8 @@ inf 2.5 1.62   18
 -30 0   1      18
 """
 
-# Made up, and no good lens: its glass has a negative thickness outside 6.2 mm, within the clear diameter, so that
-# rays there meet the next interface behind themselves.
+# An invented and poor lens: its glass has a negative thickness more than 6.2 mm from the axis, within the clear
+# diameter, so that rays there meet the next interface behind themselves.
 _CROSSED = """
 20  2 1.6 24
 -20 3 1   24
@@ -125,7 +125,7 @@ class Lens:
         raise ValueError(f"{self.name} has no stop")
 
     def at(self, wavelength: float) -> "Lens":
-        """The lens with its indices at another wavelength (nm)."""
+        """Returns the lens with its indices at another wavelength (nm)."""
         rows = tuple(
             row if row.abbe is None else Row(row.radius, row.thickness, two_numbers(row.index, row.abbe, wavelength),
                                             row.diameter, row.abbe)
@@ -133,12 +133,13 @@ class Lens:
         return Lens(self.name, rows, wavelength)
 
 
-# The partial dispersions of glasses by their Abbe numbers: crates/optics/src/prescription/glass/two_numbers.rs.
+# The partial dispersions of glasses by their Abbe numbers, as in crates/optics/src/prescription/glass/two_numbers.rs.
 _FITTED = (-0.2555, 1.583, -0.2678, 25.43)
 
 
 def two_numbers(n_d: float, abbe: float, wavelength: float) -> float:
-    """The index by n_d and V: n_F - n_C = (n_d - 1) / V, and the partial dispersions of glasses with that V."""
+    """Returns the index by n_d and V: n_F - n_C = (n_d - 1) / V, with the partial dispersions of glasses with that
+    V."""
     if wavelength == D_LINE:
         return n_d  # not to lose the last bit of the catalogue value
 
@@ -185,13 +186,13 @@ REAL_LENSES = [name for name in LENSES if name not in SYNTHETIC]
 
 
 def lens_file(name: str) -> str:
-    """A synthetic lens as a four-column file."""
+    """Returns a synthetic lens as a four-column file."""
     remark, text = SYNTHETIC[name]
     rows = ["\t".join(line.split()) for line in text.strip().split("\n")]
     return "\n".join([f"# {remark}", "# radius\tsep\tn\taperture", *rows]) + "\n"
 
 
 def configurations() -> list[Lens]:
-    """Every lens at n_d, and the one with V-numbers at the F and C lines too."""
+    """Returns every lens at n_d, and the lens with V-numbers also at the F and C lines."""
     found = list(LENSES.values())
     return found + [LENSES["dgauss.100mm"].at(w) for w in (F_LINE, C_LINE)]

@@ -1,8 +1,8 @@
 """The lenses as models of optiland and of rayoptics.
 
-Both programs let light run toward +z and put a centre with positive radius on that side; lens space here has +z
-toward the scene.  So a point or direction (x, y, z) here is (x, y, -z) there, with z measured from the first vertex
-in both; radii keep their sign.  The reflection changes handedness, which a rotationally symmetric lens does not see.
+Both programs let light run toward +z and put the centre of a positive radius on that side; lens space here has +z
+toward the scene. So a point or direction (x, y, z) here is (x, y, -z) there, with z measured from the first vertex in
+both; radii keep their sign. The reflection changes handedness, which does not affect a rotationally symmetric lens.
 
 Indices are given as fixed numbers, never through the programs' own dispersion formulas.
 """
@@ -24,12 +24,12 @@ from rayoptics.raytr.traceerror import TraceMissedSurfaceError, TraceRayBlockedE
 
 from lenses import Lens
 
-# Numba's remarks on its own compiling.
+# Numba's warnings about its own compilation.
 warnings.filterwarnings("ignore", category=NumbaWarning)
 
 VERSIONS = {name: version(name) for name in ("optiland", "rayoptics")}
 
-# Any plane behind the last vertex will do; it stays out of all results.
+# Any plane behind the last vertex will do; its position enters no result.
 IMAGE_DISTANCE = 10.0
 
 
@@ -63,14 +63,15 @@ def rayoptics_model(lens: Lens, object_distance: float) -> OpticalModel:
                               IMAGE_DISTANCE if last else row.thickness, row.index, "", row.diameter / 2])
         if k == lens.stop:
             sequence.set_stop()
-    # The diameters are those of the prescription; the model must not fit its own.
+    # The diameters are those of the prescription; the model must not compute its own.
     sequence.do_apertures = False
     model.update_model()
     return model
 
 
 def optiland_rays(lens: Lens, rays: np.ndarray) -> np.ndarray:
-    """Rows x,y,z,dx,dy,dz in lens space; returns the rows at the rear interface, likewise."""
+    """Traces rays given as rows x,y,z,dx,dy,dz in lens space; returns the rows at the rear interface in the same
+    form."""
     optic = optiland_model(lens)
     x, y, z, dx, dy, dz = (np.ascontiguousarray(c) for c in rays.T)
     count = len(rays)
@@ -82,17 +83,18 @@ def optiland_rays(lens: Lens, rays: np.ndarray) -> np.ndarray:
 
 
 def rayoptics_rays(lens: Lens, rays: np.ndarray) -> tuple[np.ndarray, list[str]]:
-    """As optiland_rays, with the program's own verdict on each ray in truth.py's words; blocked rays give NaN."""
+    """Traces as optiland_rays does, and returns the program's own verdict on each ray in truth.py's words; blocked rays
+    give NaN."""
     sequence = rayoptics_model(lens, object_distance=1.0)["seq_model"]
-    # Rays are given in the object plane's frame; with the plane at the first vertex nothing is lost in the shift.
-    # Not so from the beginning: the program's paraxial part refuses an object in the entrance pupil.
+    # Rays are given in the object plane's frame; if the plane is at the first vertex, nothing is lost in the shift. It
+    # cannot be there from the beginning: the program's paraxial part refuses an object in the entrance pupil.
     sequence.gaps[0].thi = 0.0
     sequence.update_model()
     rear_vertex = -sum(row.thickness for row in lens.rows[:-1])
     found, verdicts = [], []
     for x, y, z, dx, dy, dz in rays:
         try:
-            # Rays that turn back can make it divide by zero on their way to being refused.
+            # Rays that turn back can make the program divide by zero before it refuses them.
             with np.errstate(all="ignore"):
                 path, _, _ = rayoptics_trace(sequence, np.array([x, y, -z]), np.array([dx, dy, -dz]),
                                              lens.wavelength, intersect_obj=False, check_apertures=True,

@@ -14,17 +14,18 @@ from lenses import Lens, configurations
 from programs import optiland_rays, rayoptics_rays
 from truth import interfaces, trace
 
-# Half-field in degrees up to which the lens still lets through a fair pencil.
+# Half-field in degrees up to which the lens still transmits a pencil of reasonable width.
 HALF_FIELD = {"dgauss.50mm": 20.0, "wide.22mm": 36.0, "telephoto.250mm": 4.0, "fisheye.10mm": 74.0,
               "dgauss.100mm": 20.0, "planar": 18.0, "crossed": 5.0}
 FIELDS = (0.0, 0.3, 0.7, 1.0)
 RAYS_A_FIELD = 15
-# Away from the edges of apertures by this much, relative: that a table of unclipped rays is one for every program.
+# Relative distance that rays keep from the edges of apertures, so that every program agrees that no ray of the table is
+# clipped.
 SMALLEST_MARGIN = 1e-4
 
 
 def passing_rays(lens: Lens) -> np.ndarray:
-    # Chosen at n_d for every wavelength, so that a lens's tables can be compared ray by ray.
+    # Rays are chosen at n_d for every wavelength, so that a lens's tables can be compared ray by ray.
     system = interfaces(lens)
     rng = random.Random(f"rays {lens.name}")
     front, curve = lens.rows[0].diameter / 2, lens.rows[0].radius
@@ -45,15 +46,16 @@ def passing_rays(lens: Lens) -> np.ndarray:
             if fraction == 0.0 and not rays:
                 x, y = 0.0, 0.0
             else:
-                # A fisheye's pencil covers little of its front: look on near the first ray that passed.
+                # A fisheye's pencil covers little of its front: continue the search near the first ray that passed.
                 x, y = middle.get(azimuth, (0.0, 0.0))
                 radius = front * math.sqrt(rng.random()) * (0.25 if azimuth in middle else 1.0)
                 angle = math.tau * rng.random()
                 x, y = x + radius * math.cos(angle), y + radius * math.sin(angle)
             if math.hypot(x, y) > front:
                 continue
-            # Aimed at the interface and not at its vertex's plane, which a steep ray to the rim need not cross
-            # anywhere near.  From just before it: far starts would only test how a program steps there.
+            # Rays are aimed at the interface and not at its vertex plane, which a steep ray to the rim may cross far
+            # away. They start just in front of the interface: far starts would only test how a program moves rays
+            # there.
             sag = 0.0 if math.isinf(curve) else curve - math.copysign(math.sqrt(curve ** 2 - x * x - y * y), curve)
             back = (2.0 + 10.0 * rng.random() + max(0.0, sag)) / -direction[2]
             origin = np.array([x, y, -sag]) - back * direction

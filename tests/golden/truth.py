@@ -2,9 +2,9 @@
 
 Writes truth_<lens>.csv (film to scene), truth_scene_<lens>.csv (scene to film) and the synthetic lenses' files.
 
-Lens space: origin at the front vertex of the first interface, +z toward the scene, +x right, +y up, millimetres.
-The lens data are taken as the doubles nearest to the printed decimals, because that is the lens a program that
-parses the file really has; from there on nothing is rounded.
+Lens space: origin at the front vertex of the first interface, +z toward the scene, +x right, +y up, millimetres. The
+lens data are the doubles nearest to the printed decimals, because a program that parses the file has these numbers;
+from there on nothing is rounded.
 
 A ray is evaluated at each interface in this order, and the first verdict stands:
   turned_back  its z-direction no longer leads onward
@@ -12,9 +12,9 @@ A ray is evaluated at each interface in this order, and the first verdict stands
   turned_back  the meeting point lies behind the ray's present point
   clipped      the meeting point is farther from the axis than half the clear diameter
   reflected    total internal reflection
-Of the sphere's two crossings the one that counts is where the ray crosses it in the direction in which it crosses the
-vertex.  Where that point lies on the hemisphere away from the vertex there is no agreed name for what happens, and
-such a ray is left out of the tables.
+Of the ray's two intersections with the sphere, the one that counts is that at which the ray crosses the sphere in the
+direction in which it crosses the vertex plane. If that point lies on the hemisphere away from the vertex, there is no
+agreed name for the outcome, and the ray is left out of the tables.
 """
 
 import math
@@ -31,7 +31,8 @@ mp.dps = 70
 HERE = Path(__file__).parent
 HALF_FILM_DIAGONAL = 17.5
 SMALLEST_MARGIN = mpf(10) ** -9
-# How many rays may end in each way, by where they go; for the one lens made for turning back much less will do.
+# Maximum number of rays of each outcome, by direction of travel; for the lens that is made to turn rays back, a much
+# smaller number suffices.
 SHARES = {"film": {"ok": 280, "clipped": 96, "missed": 12, "reflected": 12, "turned_back": 12},
           "scene": {"ok": 105, "clipped": 45, "missed": 5, "reflected": 5, "turned_back": 5}}
 SHARES_CROSSED = {"film": {"ok": 30, "clipped": 10, "missed": 3, "reflected": 3, "turned_back": 20},
@@ -97,7 +98,8 @@ def trace(system: list[Interface], origin, direction, toward_scene: bool, clip: 
             centre = vertex - radius
             q = (p[0], p[1], p[2] - centre)
             b = dot(q, d)
-            # The squared distance from the centre to the ray's line, free of cancellation for the margin's sake.
+            # The squared distance of the ray's line from the centre is computed without cancellation, for the sake of
+            # the margin.
             closest = tuple(q[i] - b * d[i] for i in range(3))
             disc = radius ** 2 - dot(closest, closest)
             margin = min(margin, abs(disc) / radius ** 2)
@@ -138,7 +140,7 @@ def trace(system: list[Interface], origin, direction, toward_scene: bool, clip: 
 
 
 def back_focus(system: list[Interface]) -> mpf:
-    """Distance from the rear vertex to the paraxial rear focal point, positive toward the film."""
+    """Returns the distance from the rear vertex to the paraxial rear focal point, positive toward the film."""
     y, reduced = mpf(1), mpf(0)  # height and n * slope
     for k, face in enumerate(system):
         if k:
@@ -149,7 +151,7 @@ def back_focus(system: list[Interface]) -> mpf:
 
 
 class Table:
-    """Collects rays, refusing those too close to a decision and those beyond a status's share."""
+    """Collects rays, and refuses those too close to a decision and those beyond the share of their status."""
 
     def __init__(self, system, toward_scene, shares):
         self.system, self.toward_scene = system, toward_scene
@@ -190,7 +192,7 @@ def away(origin, target) -> tuple[float, float, float]:
 
 
 def last_inside(inside, low: float, high: float) -> float | None:
-    """The largest value up to which `inside` holds, by halving; None where the ends do not straddle it."""
+    """Returns the largest value up to which `inside` holds, by bisection; None if the ends do not bracket it."""
     if not inside(low) or inside(high):
         return None
     for _ in range(44):
@@ -204,7 +206,8 @@ def last_inside(inside, low: float, high: float) -> float | None:
 
 def aim_at_edges(table: Table, stop: int, entry_z: float, semi: float, origin, heading: float, centre,
                  keep_hidden_stop: bool = False) -> bool:
-    """Rays from one point to either side of the stop's rim, else of the whole pupil's edge; whether it was the stop."""
+    """Aims rays from a point at either side of the stop's rim, or else of the whole pupil's edge; returns whether it
+    was the stop's rim."""
 
     def direction(s: float):
         x, y = polar(s, heading)
@@ -218,7 +221,7 @@ def aim_at_edges(table: Table, stop: int, entry_z: float, semi: float, origin, h
         return trace(table.system, origin, direction(s), table.toward_scene).status == "ok"
 
     rim = last_inside(within_stop, 0.0, 2.0 * semi)
-    # Where another rim cuts in before the stop's, its neighbourhood would only be more of the same.
+    # If another rim limits the rays before the stop's rim does, rays near the stop's rim would add nothing new.
     if rim is not None and (passes(rim * (1 - 1e-6)) or keep_hidden_stop):
         for offset in (1e-2, 1e-3, 1e-6):
             table.try_ray(origin, direction(rim * (1 - offset)))
@@ -243,7 +246,7 @@ def film_table(lens: Lens) -> Table:
         return (*polar(fraction * HALF_FILM_DIAGONAL, angle), film_z)
 
     def passing_centre(origin):
-        """A middle of what passes from here, to have somewhere inside the pupil to start from."""
+        """Returns a middle of the rays that pass from here, as a starting point inside the pupil."""
         hits = []
         for _ in range(150):
             x, y = polar(semi * math.sqrt(rng.random()), math.tau * rng.random())
@@ -273,7 +276,7 @@ def film_table(lens: Lens) -> Table:
                                         keep_hidden_stop=turn == 0 and i == 0)
                 if at_stop == 3 or turn - at_stop >= 4:
                     break
-        # The rim lies on the sphere, not in the vertex's plane.
+        # The rim lies on the sphere, not in the vertex plane.
         drop = 0.0 if math.isinf(lens.rows[-1].radius) else (
             lens.rows[-1].radius - math.copysign(math.sqrt(lens.rows[-1].radius ** 2 - semi ** 2),
                                                  lens.rows[-1].radius))
@@ -282,7 +285,7 @@ def film_table(lens: Lens) -> Table:
                 x, y = polar(semi * scale, heading)
                 table.try_ray(origin, away(origin, (x, y, rear_z - drop)))
 
-    # Hunt for the rarer ends before the ordinary rays use up the places.
+    # Search for the rarer outcomes before the ordinary rays use up the places.
     for _ in range(6000):
         if not any(table.left[s] for s in ("missed", "reflected", "turned_back")):
             break
@@ -302,7 +305,7 @@ def film_table(lens: Lens) -> Table:
         origin = film_point(fraction, rng.choice(azimuths))
         x, y = polar(semi * math.sqrt(rng.random()), math.tau * rng.random())
         if table.left["clipped"] < 20 and table.left["ok"] > 0:
-            # Keep the last places of the blocked for the end.
+            # Keep the last places of the blocked rays for the end.
             if trace(system, origin, away(origin, (x, y, rear_z)), True).status != "ok":
                 continue
         table.try_ray(origin, away(origin, (x, y, rear_z)))
@@ -334,12 +337,12 @@ def scene_table(lens: Lens, film_side: Table) -> Table:
         if trace(system, origin, direction, False).status in ("missed", "reflected", "turned_back"):
             table.try_ray(origin, direction)
 
-    # What left the lens toward the scene, turned round and shifted a little, comes in where the lens can take it.
+    # The rays that left the lens toward the scene, reversed and slightly shifted, enter where the lens can accept them.
     seeds = [found for _, _, found in film_side.rows if found.status == "ok" and found.direction[2] > 0.02]
     for _ in range(6000):
         if len(table.rows) >= MOST_RAYS["scene"] or not (table.left["ok"] or table.left["clipped"]):
             break
-        # Once enough pass, shift the rays farther.
+        # Once enough rays pass, shift the rays farther.
         shift = 1.0 if table.left["ok"] else 8.0
         seed = rng.choice(seeds)
         u = [float(v) + rng.gauss(0.0, 3e-3 * shift) for v in seed.direction]

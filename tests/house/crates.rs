@@ -2,7 +2,7 @@
 
 use std::{collections::BTreeSet, fs, path::Path};
 
-/// Returns the names of the folders in `crates`, in the order of the page's table.
+/// Returns the names of the folders in `crates`, in the order of the table in ARCHITECTURE.md.
 fn in_order(page: &str) -> Vec<&str> {
     let rows = page.lines().filter_map(|line| line.strip_prefix("| [`crates/"));
     rows.map(|row| row.split_once('`').expect("a closing backquote").0).collect()

@@ -1,4 +1,5 @@
-//! Links between the project's pages have targets: a file of the project, and after a `#` one of its headings.
+//! Links between the project's pages have targets: each leads to a file of the project and, after a `#`, to one of its
+//! headings.
 //!
 //! Links to the web are not followed, since tests do not use the network.
 
@@ -33,7 +34,8 @@ fn targets(text: &str) -> Vec<String> {
     prose.split("](").skip(1).filter_map(|rest| Some(rest.split_once(')')?.0.to_owned())).collect()
 }
 
-/// Returns the anchors of a page's headings, as forges make them: lower case, hyphens for spaces, without punctuation.
+/// Returns the anchors of a page's headings, as public forges form them: in lower case, with hyphens for spaces and
+/// without punctuation.
 fn anchors(text: &str) -> Vec<String> {
     let headings = prose(text);
     let headings = headings.lines().filter_map(|line| line.strip_prefix('#'));
@@ -112,7 +114,8 @@ fn every_page_of_the_documentation_is_in_its_table_of_contents() {
     super::nothing(&missing);
 }
 
-/// Pages with their maximum words, code and tables included, so that people read them to the end.
+/// Pages with their maximum numbers of words, including code and tables; the limits are low so that people read these
+/// pages to the end.
 const SHORT: [(&str, usize); 2] = [("README.md", 900), ("ARCHITECTURE.md", 900)];
 
 #[test]

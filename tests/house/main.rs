@@ -14,7 +14,7 @@ use std::{
 
 /// Folders that are searched for `unsafe`.
 const SEARCHED: [&str; 4] = ["src", "crates", "cli/src", "lab/src"];
-/// Folders and files that may contain it; `refractions` reads the processor's clock.
+/// Folders and files that may contain `unsafe`; `refractions` reads the processor's clock.
 const UNSAFE: [&str; 9] = [
     "cli/src/commands/refractions.rs",
     "cli/src/host/",
@@ -27,7 +27,7 @@ const UNSAFE: [&str; 9] = [
     "src/abi/",
 ];
 
-/// Fails with a finding per line, if there are any.
+/// Fails if there are findings, and lists one per line.
 #[track_caller]
 fn nothing(found: &[String]) {
     assert!(found.is_empty(), "{} found:\n{}", found.len(), found.join("\n"));

@@ -1,8 +1,8 @@
 //! Files and folders mentioned by the project's pages exist.
 //!
-//! The pages are ARCHITECTURE.md, CONTRIBUTING.md, the pages in `docs` and the README.md of every folder. A path in one
-//! of them is a word with a slash that starts with a folder of code, or that has an extension that occurs in this tree.
-//! It starts at the root, at the page's own folder, or with the name of a crate: `base/message.rs` is
+//! The pages are ARCHITECTURE.md, CONTRIBUTING.md, the pages in `docs` and the README.md of every folder. A path on a
+//! page is a word with a slash that starts with a folder of code, or that has an extension that occurs in this tree.
+//! The path starts at the root, at the page's own folder, or with the name of a crate: `base/message.rs` is
 //! `crates/base/src/message.rs`.
 
 use std::{
@@ -15,7 +15,7 @@ const EXTENSIONS: [&str; 11] = ["rs", "c", "cpp", "h", "hpp", "md", "dat", "txt"
 /// Folders of the root that contain code.
 const CODE: [&str; 6] = ["cli/", "crates/", "include/", "lab/", "pbrt-shim/", "src/"];
 
-/// Folders of another program that pages mention, and that do not exist in this tree.
+/// Folders of another program that are mentioned by pages and do not exist in this tree.
 const FOREIGN: [&str; 2] = ["pbrt/", "src/pbrt/"];
 
 /// Returns the paths in a page's text, without duplicates.

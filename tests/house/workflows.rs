@@ -1,5 +1,4 @@
-//! The public forge's workflows contain no commands of their own: each job runs a script that `.ci/run`
-//! runs, too.
+//! The public forge's workflows contain no commands of their own: each job runs a script that is also run by `.ci/run`.
 
 use std::{fs, path::Path};
 
@@ -11,7 +10,7 @@ fn every_job_of_a_workflow_runs_a_script_of_ci_run() {
     for workflow in fs::read_dir(root.join(".github/workflows")).expect("a directory").flatten() {
         let text = fs::read_to_string(workflow.path()).expect("text");
         let (_, text) = text.split_once("\njobs:\n").expect("jobs");
-        // A job's name is indented by two spaces, its contents by more.
+        // A job's name is indented by two spaces, and its contents by more.
         let starts =
             text.match_indices("\n  ").filter(|(at, _)| !text[at + 3..].starts_with(' ')).map(|(at, _)| at);
         let starts: Vec<usize> = std::iter::once(0).chain(starts).chain([text.len()]).collect();

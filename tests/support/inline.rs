@@ -1,4 +1,4 @@
-//! Rust versions of `realistic.h`'s inline functions, under the same names, and of other requests under short names:
+//! Rust versions of `realistic.h`'s inline functions, under the same names, and of other requests, under short names:
 //! tests and benches link the library and do not see the header.
 
 #![allow(
@@ -93,7 +93,7 @@ pub fn realistic_request_of_structures(
 /// Calls the batch with arrays of structures.
 ///
 /// # Safety
-/// That of the exported batch.
+/// The requirements are those of the exported batch.
 pub unsafe fn realistic_camera_generate_rays(
     camera: *const realistic_camera,
     n: usize,
@@ -148,7 +148,7 @@ fn columns(rays: &realistic_rays_soa) -> [realistic_output; 3] {
 /// Calls the batch with structures of arrays.
 ///
 /// # Safety
-/// That of the exported batch.
+/// The requirements are those of the exported batch.
 pub unsafe fn realistic_camera_generate_rays_soa(
     camera: *const realistic_camera,
     n: usize,
@@ -159,10 +159,10 @@ pub unsafe fn realistic_camera_generate_rays_soa(
     unsafe { realistic_camera_generate_batch(camera, n, &realistic_request_of_arrays(samples, rays)) }
 }
 
-/// Calls the batch with arrays of structures, at wavelengths if there are any.
+/// Calls the batch with arrays of structures, at wavelengths if any are given.
 ///
 /// # Safety
-/// That of the exported batch.
+/// The requirements are those of the exported batch.
 pub unsafe fn rays_at(
     camera: *const realistic_camera,
     n: usize,
@@ -183,10 +183,10 @@ pub unsafe fn rays_at(
     unsafe { realistic_camera_generate_batch(camera, n, &request) }
 }
 
-/// Calls the batch with structures of arrays, at wavelengths if there are any, `PER_SAMPLE` for each sample.
+/// Calls the batch with structures of arrays, at wavelengths if any are given, with `PER_SAMPLE` for each sample.
 ///
 /// # Safety
-/// That of the exported batch.
+/// The requirements are those of the exported batch.
 pub unsafe fn rays_at_soa<const PER_SAMPLE: u32>(
     camera: *const realistic_camera,
     n: usize,
@@ -205,10 +205,10 @@ pub unsafe fn rays_at_soa<const PER_SAMPLE: u32>(
     }
 }
 
-/// Calls the batch with structures of arrays and neighbours, at wavelengths if there are any.
+/// Calls the batch with structures of arrays and neighbours, at wavelengths if any are given.
 ///
 /// # Safety
-/// That of the exported batch; the structures are valid.
+/// The requirements are those of the exported batch; the structures are valid.
 pub unsafe fn differentials_at_soa(
     camera: *const realistic_camera,
     n: usize,
@@ -235,11 +235,11 @@ pub unsafe fn differentials_at_soa(
     }
 }
 
-/// Calls the batch with arrays of structures and neighbours: the batch writes into them, and `has` follows from its
-/// weights.
+/// Calls the batch with arrays of structures and neighbours: the batch writes into the structures, and `has` follows
+/// from the neighbours' weights.
 ///
 /// # Safety
-/// That of the exported batch.
+/// The requirements are those of the exported batch.
 pub unsafe fn differentials(
     camera: *const realistic_camera,
     n: usize,
@@ -283,7 +283,7 @@ pub unsafe fn differentials(
     }
 }
 
-/// Returns a request for one wavelength, which must outlive it.
+/// Returns a request for one wavelength; the wavelength must outlive the request.
 pub fn at(wavelength: &f32) -> realistic_request {
     realistic_request { wavelength: number(wavelength, 0), ..Default::default() }
 }
@@ -291,7 +291,7 @@ pub fn at(wavelength: &f32) -> realistic_request {
 /// Generates a ray at a wavelength.
 ///
 /// # Safety
-/// That of `realistic_generate_ray`.
+/// The requirements are those of `realistic_generate_ray`.
 pub unsafe fn ray_at(
     camera: *const realistic_camera,
     sample: *const realistic_sample,
@@ -305,7 +305,7 @@ pub unsafe fn ray_at(
 /// Generates a ray with differentials at a wavelength.
 ///
 /// # Safety
-/// That of `realistic_generate_ray_differential`.
+/// The requirements are those of `realistic_generate_ray_differential`.
 pub unsafe fn differential_at(
     camera: *const realistic_camera,
     sample: *const realistic_sample,
@@ -316,10 +316,10 @@ pub unsafe fn differential_at(
     unsafe { realistic_generate_ray_differential(camera, sample, &at(&wavelength), ray) }
 }
 
-/// Generates four wavelengths of one sample; returns the call's weight.
+/// Generates the rays of four wavelengths of one sample; returns the call's weight.
 ///
 /// # Safety
-/// That of `realistic_generate_ray`; the arrays are NULL or have four elements.
+/// The requirements are those of `realistic_generate_ray`; the arrays are NULL or have four elements.
 pub unsafe fn hero_rays(
     camera: *const realistic_camera,
     sample: *const realistic_sample,

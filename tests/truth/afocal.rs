@@ -1,4 +1,4 @@
-//! Lenses without a focal length: an empty aperture (pinhole), a plate, a telescope. They cannot focus, and take
+//! Lenses without a focal length: an empty aperture (pinhole), a plate and a telescope. They cannot focus; they take
 //! pictures with the film at a given distance.
 
 use super::support;
@@ -74,7 +74,7 @@ fn every_choice_works_without_a_focal_length() {
             );
             assert_eq!(camera.facts().expect("a lens").focus_distance_mm, None);
             assert!(ray(&camera, [200.0, 150.0], [0.5, 0.5]).is_some(), "{name} {given:?}");
-            // The result of a blocked ray in a pbrt host.
+            // This is the result of a blocked ray in a pbrt host.
             let out_of_range = sample([9000.0, 150.0], [0.5, 0.5]);
             let direction = camera.substitute(&out_of_range).direction;
             assert!(

@@ -39,7 +39,7 @@ fn miss(ray: &Ray, z: f64) -> f64 {
     (ray.origin[0] + t * ray.direction[0]).hypot(ray.origin[1] + t * ray.direction[1])
 }
 
-/// Returns the largest miss of the paraxial focus by parallel light, for each tracer.
+/// Returns, for each tracer, the largest distance at which parallel light misses the paraxial focus.
 fn largest_misses(lens: &Lens, semi: f64, focus: f64) -> [f64; 3] {
     let rays = parallel((0..40).map(|i| 0.99 * semi * f64::from(i) / 39.0));
     let path = Path::<f64>::scene_to_film(lens);
@@ -71,7 +71,7 @@ fn a_hyperboloid_behind_glass_focuses_parallel_light() {
         let figure = |radius| Shape::Asphere(asphere(radius, -n * n, &[]));
         let plane_first = lens(&[(Shape::Plane, 25.0, n, semi), (figure(-radius), 0.0, 1.0, semi)]);
         focuses(&plane_first, semi, -25.0 - radius / (n - 1.0));
-        // The same surface at the front; light leaves its glass through a sphere about the focus.
+        // The same surface is at the front; light leaves its glass through a sphere about the focus.
         let (focus, semi) = (n * radius / (n - 1.0), 10.0);
         let reversed =
             [(figure(radius), 5.0, n, semi), (Shape::Sphere { radius: focus - 5.0 }, 0.0, 1.0, semi)];
@@ -149,9 +149,9 @@ fn terms_that_add_up_to_a_sphere_are_one() {
     }
 }
 
-/// Finds the first crossing of a ray from behind with a surface's profile by dense sampling. Returns the distance of
-/// the ray from the surface at the height of the surface's lowest point, and the crossing; `None` if the ray grazes the
-/// surface or its edge too closely to decide.
+/// Finds, by dense sampling, the first crossing of a ray from behind with a surface's profile. Returns the distance
+/// between the ray and the surface at the height of the surface's lowest point, and the crossing; `None` if the ray
+/// grazes the surface or its edge too closely to decide.
 fn by_brute_force(lens: &Lens, ray: &Ray) -> Option<(f64, Result<[f64; 3], ()>)> {
     const STEPS: u32 = 10_000;
     let front = lens.front();
@@ -230,7 +230,8 @@ fn the_first_of_several_crossings_is_met_and_no_later_one() {
             let single = by_kernel::<f32>(&own, Direction::FilmToScene, &rays);
             for (i, ray) in rays.iter().enumerate() {
                 let Some((start, expected)) = by_brute_force(&own, ray) else { continue };
-                // Single precision starts its search slightly before that height, where a steep edge is elsewhere.
+                // Single precision starts its search slightly before that height, where a steep edge has another
+                // radius.
                 let is_clear = start > 0.1;
                 let walked = path.trace(*ray);
                 match expected {
@@ -266,7 +267,7 @@ fn the_first_of_several_crossings_is_met_and_no_later_one() {
 
 #[test]
 fn an_asphere_passes_light_up_to_its_equator() {
-    // A dome, concave toward the film; 60 is wider than the sphere, which is then taken whole.
+    // A dome is concave toward the film; a diameter of 60 is wider than the sphere, which is then used whole.
     for diameter in [20.0, 38.8, 39.9, 40.0, 60.0] {
         let text = format!("20 25 1.5 {diameter}\ninf 2 1 26\n0 0 1 20\nasphere 1 A10=1.953125e-13\n");
         let given = [("film_distance", "14"), ("film_diagonal", "12")];
@@ -293,16 +294,16 @@ fn rays_that_miss_are_blocked_with_the_reason() {
         (walked.surfaces_met, walked.blocked)
     };
     let down = [0.0, 0.0, -1.0];
-    // An oblate ellipsoid half as wide as high ends at R/√(1 + k) = 5.
+    // An oblate ellipsoid, half as wide as it is high, ends at R/√(1 + k) = 5.
     let oblate = asphere(10.0, 3.0, &[]);
     assert_eq!(trace(oblate, 5.0, [4.9, 0.0, 9.0], down), (2, None));
     assert!(trace(oblate, 5.0, [5.1, 0.0, 9.0], down).1.is_some());
-    // The edge of a paraboloid.
+    // The edge of a paraboloid lies at its clear diameter.
     let paraboloid = asphere(10.0, -1.0, &[]);
     assert_eq!(trace(paraboloid, 5.0, [5.1, 0.0, 9.0], down).1, Some(Blocked::Clipped));
     assert_eq!(trace(paraboloid, 5.0, [4.9, 0.0, 9.0], down), (2, None));
-    // The second sheet of a hyperboloid lies 2 R/|1 + k| = 10 before the vertex, open toward the scene: rays cross it
-    // without refraction, and a ray that starts beyond the first sheet has passed it.
+    // The second sheet of a hyperboloid lies 2 R/|1 + k| = 10 before the vertex and is open toward the scene. Rays
+    // cross it without refraction, and a ray that starts beyond the first sheet has already passed that sheet.
     let hyperboloid = asphere(10.0, -3.0, &[]);
     assert_eq!(trace(hyperboloid, 8.0, [3.0, 0.0, 30.0], down), (2, None));
     assert_eq!(trace(hyperboloid, 8.0, [0.0, 0.0, -1.0], down).1, Some(Blocked::TurnedBack));
@@ -361,7 +362,7 @@ fn light(camera: &Camera, image: [f32; 2]) -> [f64; 2] {
     [sum, f64::from(passed)].map(|x| x / f64::from(SIDE * SIDE))
 }
 
-/// Returns the same light up to a constant factor, from a fine grid of slopes through the walk: cos⁴ per slope area.
+/// Returns the same light up to a constant factor, from a fine grid of slopes traced by the walk: cos⁴ per slope area.
 fn light_of_grid(camera: &Camera, height: f64) -> f64 {
     const SIDE: i32 = 300;
     let facts = camera.facts().expect("a lens");
@@ -381,7 +382,7 @@ fn the_phones_warped_pupil_gives_the_light_of_its_slopes() {
         let camera = phone(given);
         let [axis, _] = light(&camera, [200.0, 150.0]);
         let grid = light_of_grid(&camera, 0.0);
-        // The image is 500 pixels across the film's diagonal of 5.6 mm.
+        // The film's diagonal of 5.6 mm is 500 pixels of the image.
         for pixels in [100.0_f32, 180.0] {
             let [light, passed] = light(&camera, [200.0 + pixels, 150.0]);
             let expected = light_of_grid(&camera, f64::from(pixels) * 5.6 / 500.0) / grid;

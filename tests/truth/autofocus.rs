@@ -58,7 +58,7 @@ fn a_lens_that_its_groups_focus_is_refused_with_what_to_do() {
     assert!(result.message.contains("leave out \"focus_by\""), "{}", result.message);
 }
 
-/// A wall at z = 1000; at the right of the picture, x < 100, one at z = 600.
+/// Returns the distance along a ray to a wall at z = 1000; at the left of the picture, x < 100, to a wall at z = 600.
 unsafe extern "C" fn walls(_: *mut c_void, ray: *const realistic_ray) -> f64 {
     // SAFETY: the library passes a ray.
     let ray = unsafe { &*ray };

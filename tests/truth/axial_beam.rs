@@ -1,5 +1,5 @@
-//! The axial beam reaches as far as exact rays do, and its derived quantities agree with it: f-number, pupils, the stop
-//! of an f-number, irradiance.
+//! The axial beam reaches as far as exact rays do, and the quantities derived from it agree with it: f-number, pupils,
+//! the stop of an f-number, and irradiance.
 
 use super::support;
 
@@ -52,8 +52,8 @@ fn parallel(height: f64) -> Ray {
     Ray { origin: [0.0, height, 1e3], direction: [0.0, 0.0, -1.0] }
 }
 
-/// Returns the height of the outermost ray that passes, by a separate finer search and bisection, mm; 0 if no ray
-/// passes.
+/// Returns the height of the outermost ray that passes, mm, by a separate search with finer steps and bisection; 0 if
+/// no ray passes.
 fn outermost(lens: &Lens) -> f64 {
     let path = Path::<f64>::scene_to_film(lens);
     let passes = |height: f64| path.walk(parallel(height)).blocked.is_none();
@@ -117,7 +117,7 @@ fn pupils_are_images_of_the_aperture_that_stops_the_next_ray() {
 fn where_surfaces_cross_the_beam_that_can_exist_counts() {
     let lens = lens_of(CROSSED);
     let beam = AxialBeam::of(&lens);
-    // Both spheres have a sagitta of half the thickness there: h² = 20² - 17.5².
+    // At that height, the sagitta of both spheres is half the thickness: h² = 20² - 17.5².
     let height = (400.0_f64 - 17.5 * 17.5).sqrt();
     assert!((beam.diameter() / 2.0 / height - 1.0).abs() < 1e-9, "{beam:?}");
     assert!((beam.fnumber(focal_length(&lens)) - 1.0437).abs() < 1e-4);
@@ -133,7 +133,7 @@ fn where_surfaces_cross_the_beam_that_can_exist_counts() {
 fn faces_that_touch_pass_rays_as_a_tracer_without_the_test() {
     let lens = lens_of(TOUCHING);
     assert!(fnumber(&lens) < 1.4, "f/{}", fnumber(&lens));
-    // Refraction at each sphere in turn, from the ray's current point: the algorithm of every sequential tracer.
+    // The ray is refracted at each sphere in turn, from its current point: the algorithm of every sequential tracer.
     let sequential = |height: f64| {
         let ([mut y, mut z], [mut dy, mut dz]) = ([height, 50.0], [0.0, -1.0]);
         for surface in &lens.surfaces {
@@ -141,7 +141,7 @@ fn faces_that_touch_pass_rays_as_a_tracer_without_the_test() {
             let (along, square) =
                 (y * dy + (z - centre) * dz, y * y + (z - centre).powi(2) - surface.radius.powi(2));
             let root = (along * along - square).sqrt();
-            // The side of the sphere on which the vertex lies.
+            // The intersection is that on the vertex's side of the sphere.
             let t = if surface.radius > 0.0 { -along - root } else { -along + root };
             (y, z) = (y + t * dy, z + t * dz);
             let normal = [y / surface.radius, (z - centre) / surface.radius];
@@ -164,7 +164,7 @@ fn faces_that_touch_pass_rays_as_a_tracer_without_the_test() {
             "{height}: {off}"
         );
     }
-    // The fast kernel, from the film, illuminates every point.
+    // Traced from the film, the fast kernel illuminates every point.
     let (camera, warnings) = build(&host_with(TOUCHING), &[("film_diagonal", "20")]).expect("a camera");
     assert!(warnings.iter().all(|text| !text.contains("dark")), "{warnings:?}");
     assert!(
@@ -213,7 +213,7 @@ fn the_beam_ends_where_an_independent_search_ends() {
         let beam = AxialBeam::of(lens);
         let (own, found) = (beam.diameter() / 2.0, outermost(lens));
         assert!(own <= found * (1.0 + 1e-9), "{number}: {own} {found}");
-        // Tenfold finer steps may find a narrow annulus outside.
+        // A search with ten times finer steps may find a narrow annulus outside.
         if own < found * (1.0 - 1e-9) {
             rings += 1;
             continue;
@@ -266,7 +266,8 @@ fn an_f_number_that_is_given_is_the_one_that_is_made() {
 
 #[test]
 fn a_stop_that_cuts_a_ring_out_of_the_beam_is_reported() {
-    // A ball's outer rays cross the axis just before its focus: some pass a small stop there with the inner ones.
+    // A ball's outer rays cross the axis just before its focus: there some of them pass a small stop together with the
+    // inner rays.
     let ball = "10 20 1.5 - 18\n-10 4 1 - 18\nstop 10 1 - 12\n";
     let lens = lens_of(ball);
     assert!((AxialBeam::of(&lens).diameter() / 2.0 - outermost(&lens)).abs() < 1e-9);

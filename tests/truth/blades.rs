@@ -21,8 +21,8 @@ fn to_stop(lens: &Lens) -> Path {
     Path::film_to_scene(&behind)
 }
 
-/// Whether a point in a stop of radius 1 lies inside the figure: on the centre's side of every edge, each an arc
-/// through two corners whose curvature is a fraction of the circle's.
+/// Whether a point in a stop of radius 1 lies inside the figure of its blades: on the centre's side of every edge. An
+/// edge is an arc through two corners, whose curvature is a fraction of the circle's.
 fn is_inside(blades: Blades, point: [f64; 2]) -> bool {
     let corner = |k: u32| {
         let turn =
@@ -48,8 +48,8 @@ fn film_z(camera: &Camera) -> f64 {
     camera.facts().expect("a lens").lens.rear().vertex - camera.facts().expect("a lens").film_distance
 }
 
-/// Returns the mean weight over the rear element's disk, with its standard error, of the rays that pass the round lens
-/// and the blades, which are tested here.
+/// Returns the mean weight over the rear element's disk, with its standard error, of the rays that pass both the round
+/// lens and the blades; the blades are tested here.
 fn by_hand(round: &Camera, blades: Blades, image: [f32; 2], seed: u64) -> [f64; 2] {
     let lens = &round.facts().expect("a lens").lens;
     let (path, to_stop) = (Path::<f64>::film_to_scene(lens), to_stop(lens));
@@ -126,7 +126,7 @@ fn blades_give_the_right_light_at_every_azimuth() {
         let round = camera(&more);
         let cameras = ["warped", "rear"]
             .map(|pupil| (pupil, bladed(blades, &[more.as_slice(), &[("pupil", pupil)]].concat())));
-        // The axis, and four directions half way out.
+        // The image points are the axis and four directions half way out.
         for (i, image) in [[200.0, 150.0], [325.0, 150.0], [200.0, 40.0], [90.0, 90.0], [260.0, 240.0]]
             .into_iter()
             .enumerate()
@@ -166,8 +166,8 @@ fn with_relative_weights_the_mean_on_the_axis_is_1() {
     }
 }
 
-/// Returns the intersections of the picture centre's passing rays with the plane z = `plane`, mm, as angles in degrees
-/// and radii.
+/// Returns, for the passing rays of the picture's centre, the intersections with the plane z = `plane`, mm, as angles
+/// in degrees and radii.
 fn footprint(camera: &Camera, plane: f64) -> Vec<[f64; 2]> {
     let mut random = Random::new(17);
     (0..60_000)
@@ -186,7 +186,7 @@ fn a_defocused_light_has_the_shape_of_the_blades() {
     let camera = bladed(blades, &[("fnumber", "4"), ("focus_distance", "2000")]);
     for (plane, turned) in [(1000.0, 0.0), (8000.0, 180.0)] {
         let points = footprint(&camera, plane);
-        // Radius of the footprint by angle from the nearest expected corner.
+        // Radius of the footprint as a function of the angle from the nearest expected corner.
         let mut edge = [0.0_f64; 36];
         for [degrees, radius] in &points {
             let from_corner = (degrees - 31.0 - turned).rem_euclid(72.0);
@@ -195,7 +195,8 @@ fn a_defocused_light_has_the_shape_of_the_blades() {
         }
         let largest = edge.iter().copied().fold(0.0, f64::max);
         for (i, radius) in edge.into_iter().enumerate() {
-            // A straight edge at cos 36 degrees, from corner to corner; the bin's largest radius is at its outer side.
+            // A straight edge is at cos 36 degrees in its middle and goes from corner to corner; the largest radius of
+            // a bin is at its outer side.
             let nearest_corner = (2.0 * i as f64 - 35.0).abs().max((2.0 * i as f64 - 34.0).abs() - 0.0);
             let angle = (36.0 - nearest_corner.min(36.0)).to_radians();
             let expected = 36.0_f64.to_radians().cos() / (36.0_f64.to_radians() - angle).cos();

@@ -126,8 +126,7 @@ fn two_names_for_one_thing_are_an_error_that_names_both() {
 
 #[test]
 fn the_same_name_given_again_is_not_called_a_second_name() {
-    // On a command line the last value of a parameter applies, as for every parameter without an
-    // alias.
+    // On a command line, the last value of a parameter applies, as it does for every parameter without an alias.
     let mut parameters = Parameters::default();
     for text in ["wide.22mm", "fisheye.10mm"] {
         parameters.set("lens_file", Value::Text(text)).expect("the name may be given again");
@@ -270,8 +269,8 @@ fn the_nominal_film_distance_serves_where_none_is_given() {
     );
 }
 
-/// Returns heights at the film and slopes of the bundle that an axial point `distance` mm from the
-/// film (or infinity) sends through the entrance pupil, uniform over the pupil.
+/// Returns the heights at the film and the slopes of the bundle that passes the entrance pupil from an axial point
+/// `distance` mm from the film (or at infinity), uniform over the pupil.
 fn bundle(camera: &Camera, distance: f64) -> Vec<(f64, f64)> {
     const RAYS: u32 = 4000;
     let lens = &camera.facts().expect("a lens").lens;
@@ -290,7 +289,7 @@ fn bundle(camera: &Camera, distance: f64) -> Vec<(f64, f64)> {
         let slope = got.direction[1] / -got.direction[2];
         Some((got.origin[1] + slope * (got.origin[2] - film), slope))
     };
-    // All rays that pass, up to the edge of the exact pupil, in equal areas.
+    // These are all rays that pass, up to the edge of the exact pupil, in equal areas.
     let edge = (0..2000).map(|i| radius * (1.3 - 0.0005 * f64::from(i))).find(|&h| aimed(h).is_some());
     let edge = edge.expect("some ray passes");
     (0..RAYS).filter_map(|i| aimed(edge * ((f64::from(i) + 0.5) / f64::from(RAYS)).sqrt())).collect()
@@ -330,7 +329,7 @@ fn a_bundle_from_the_plane_in_focus_is_sharpest_on_the_film() {
 
 #[test]
 fn ten_kilometres_and_infinity_are_as_exact_as_a_metre() {
-    // Newton's equation for the shift from infinity, f²/(z - F): the aberrations are the same there.
+    // Newton's equation gives the shift from infinity, f²/(z - F): the aberrations are the same there.
     for (name, _) in LENSES {
         let at =
             |distance: &str| camera(&[("lens_file", name), ("focus_distance", distance), ("fnumber", "16")]);
@@ -392,7 +391,7 @@ fn placed(rows: [f32; 16]) -> Camera {
 #[test]
 fn mirrored_and_scaled_transforms_carry_the_rays() {
     let plain = camera(&[]);
-    // A mirror in x, a rotation with a translation, scales that differ along the axes.
+    // The cases are a mirror in x, a rotation with a translation, and scales that differ along the axes.
     let cases: [[f32; 16]; 3] = [
         [-1., 0., 0., 5., 0., 1., 0., 6., 0., 0., 1., 7., 0., 0., 0., 1.],
         [0., -1., 0., 1., 1., 0., 0., 2., 0., 0., 1., 3., 0., 0., 0., 1.],
@@ -452,7 +451,7 @@ fn samples_off_the_film_and_lens_samples_0_and_1_have_answers() {
             assert!(passed > 2, "{pupil} {disk}: {passed}");
         }
     }
-    // A pixel outside continues the film, without a jump at its edge.
+    // A pixel outside the film continues it, without a jump at the film's edge.
     let camera = camera(&[]);
     let middle =
         |x: f32| ray(&camera, [x, 150.0], [0.5, 0.5]).expect("the middle of the pupil").0.direction[0];
@@ -476,8 +475,7 @@ fn every_ray_carries_hither_yon_and_the_shutter_time() {
         let Outcome::Ray(ray, _) = camera.generate(&sample, None) else { panic!("on the axis") };
         assert_eq!((ray.mint, ray.maxt, ray.time), (0.25, 50.0, expected));
     }
-    // The same interpolation as pbrt's stock cameras: backward if the shutter closes before it
-    // opens.
+    // The interpolation is that of pbrt's stock cameras: backward if the shutter closes before it opens.
     let backward = self::camera(&[("shutter_open", "6"), ("shutter_close", "2")]);
     for (number, expected) in [(0.0, 6.0), (0.25, 5.0), (1.0, 2.0)] {
         let sample = Sample { time: number, ..sample([200.0, 150.0], [0.5, 0.5]) };
@@ -519,7 +517,8 @@ fn what_lies_right_and_up_is_seen_right_and_up() {
 
 #[test]
 fn the_film_diagonal_spans_the_raster_and_the_lens_its_angle() {
-    // 50 mm and 35 mm diagonal: without distortion, a corner looks 17.5/50 aside at infinity.
+    // With a focal length of 50 mm, a diagonal of 35 mm and no distortion, the slope of the direction at a corner is
+    // 17.5/50 at infinity.
     let camera = camera(&[("fnumber", "16"), ("film_diagonal", "35")]);
     assert_eq!(camera.facts().expect("a lens").film.diagonal(), 35.0);
     let [x, y] = camera.facts().expect("a lens").film.point(0.0, 0.0);

@@ -1,5 +1,5 @@
-//! The lenses of the catalogue against the statements of their patents, and those with moving groups at every
-//! position: focal length, back focus, f-number by real rays, field of view by real chief rays.
+//! The lenses of the catalogue against the statements of their patents, and the lenses with moving groups at every
+//! position: focal length, back focus, f-number by real rays, and field of view by real chief rays.
 
 use realistic_optics::{
     lens::{Lens, first_order::FirstOrder},
@@ -71,7 +71,8 @@ fn focal_lengths_are_those_that_the_patents_state() {
     for case in every_case() {
         let Some(stated) = case.focal_length else { continue };
         let own = FirstOrder::of(&case.lens).expect("focal").focal_length;
-        // US 4,310,222 prints 14.2 mm for 14.28, and the phone's patent 4.1; the others are within a thousandth.
+        // US 4,310,222 prints 14.2 mm for 14.28, and the phone's patent prints 4.1 mm; the others are within a
+        // thousandth.
         let tolerance = match case.name.as_str() {
             "ultrawide.14mm" => 6e-3,
             "phone.4mm" => 1.2e-3,
@@ -89,12 +90,12 @@ fn the_film_is_where_the_patents_put_it() {
     for case in every_case() {
         let Some(film) = case.film else { continue };
         let optics = FirstOrder::of(&case.lens).expect("focal");
-        // Newton's equation; the first vertex is at z = 0, the scene at greater z.
+        // Newton's equation is used; the first vertex is at z = 0, and the scene at greater z.
         let beyond = case
             .object
             .map_or(0.0, |object| optics.focal_length.powi(2) / (object - optics.front_focal_point));
         let paraxial = optics.back_focal_distance() + beyond;
-        // A patent's table has two decimals, an error that long lenses multiply.
+        // A patent's table has two decimals, and long lenses magnify their rounding error.
         assert!((paraxial - film).abs() < 0.06, "{}: {paraxial} for {film}", case.name);
         checked += 1;
     }
@@ -131,7 +132,7 @@ fn film_gets_light_from_the_whole_field_that_the_patents_state() {
         let farthest = 1.1 * focal_length * if stated < 130.0 { half.tan() } else { half };
         let lit = field.lit_radius(farthest).expect("light on the axis");
         let widest = field.real(2.0 * 0.999 * lit).expect("lit").to_degrees();
-        // Clear diameters are derived: the lens of 220 degrees sees 214.
+        // Clear diameters are derived: the lens of 220 degrees sees only 214.
         assert!(widest > 0.97 * stated, "{}: {widest} of {stated} degrees", case.name);
         checked += 1;
     }

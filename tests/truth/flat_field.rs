@@ -1,5 +1,5 @@
 //! The mean of the weights equals the film's irradiance: in a scene of uniform radiance 1, the integral E(x') = ∫
-//! cos⁴θ'/Z² dA over the rear element is computed independently, ray by ray on a fine grid.
+//! cos⁴θ'/Z² dA over the rear element is computed independently, from each ray on a fine grid.
 
 use super::support;
 
@@ -15,15 +15,15 @@ use realistic_optics::{
 };
 use support::{LENSES, Random, build, camera, host, host_with, lens, lens_of, sample};
 
-/// Axis, half way to the corner, corner.
+/// The axis, a point half way to the corner, and the corner.
 const FIELD: [[f32; 2]; 3] = [[200.0, 150.0], [100.0, 75.0], [0.0, 0.0]];
 
 fn film_z(camera: &Camera) -> f64 {
     camera.facts().expect("a lens").lens.rear().vertex - camera.facts().expect("a lens").film_distance
 }
 
-/// Integrates over a square about the rear element in the rear vertex plane: the whole, and the part whose slopes
-/// satisfy `inside`.
+/// Integrates over a square about the rear element in the rear vertex plane: over the whole square, and over the part
+/// whose slopes satisfy `inside`.
 fn brute_force(camera: &Camera, image: [f32; 2], inside: impl Fn([f64; 2]) -> bool) -> [f64; 2] {
     const N: u32 = 900;
     let (lens, film) = (&camera.facts().expect("a lens").lens, film_z(camera));
@@ -34,7 +34,8 @@ fn brute_force(camera: &Camera, image: [f32; 2], inside: impl Fn([f64; 2]) -> bo
     let step = 2.0 * half / f64::from(N);
     let at = |i: u32| (f64::from(i) + 0.5) * step - half;
     let mut sums = [0.0, 0.0];
-    // Points are random in their cells: midpoints would sample a circle's symmetric edge identically in eight octants.
+    // Points are random in their cells: midpoints would sample the symmetric edge of a circle identically in eight
+    // octants.
     let mut random = Random::new(12);
     for (i, j) in (0..N).flat_map(|i| (0..N).map(move |j| (i, j))) {
         let [px, py] = [i, j].map(|i| at(i) + step * (random.next() - 0.5));
@@ -54,7 +55,7 @@ fn brute_force(camera: &Camera, image: [f32; 2], inside: impl Fn([f64; 2]) -> bo
 }
 
 /// Returns the mean weight of stratified lens samples and its standard error, from independent shifts of the strata. A
-/// `Redraw` is replaced by another sample and does not count.
+/// sample for which the result is `Redraw` is replaced by another and does not count.
 fn mean_weight(camera: &Camera, image: [f32; 2], seed: u64) -> [f64; 2] {
     const SHIFTS: u32 = 16;
     const STRATA: u32 = 96;
@@ -82,7 +83,7 @@ fn mean_weight(camera: &Camera, image: [f32; 2], seed: u64) -> [f64; 2] {
 
 #[track_caller]
 fn agree(what: &str, [mean, error]: [f64; 2], expected: f64) {
-    // Five standard errors, and the grid's own error.
+    // The bound is five standard errors plus the error of the grid.
     let allowed = 5.0 * error + 5e-4 * expected;
     println!("{what}: {mean:.7} ± {error:.1e}, expected {expected:.7}");
     assert!(
@@ -126,8 +127,8 @@ fn a_rear_element_that_bulges_away_is_sampled_to_its_edge() {
     }
 }
 
-/// Integrates over the rear surface itself: ∫ cosθ' cosη/d² dA over points of the sphere, η at the surface, with no
-/// plane and no disk.
+/// Integrates over the rear surface itself, without a plane or a disk: ∫ cosθ' cosη/d² dA over points of the sphere,
+/// where η is the angle at the surface.
 fn over_the_sphere(camera: &Camera, image: [f32; 2]) -> f64 {
     const N: u32 = 600;
     let (lens, film) = (&camera.facts().expect("a lens").lens, film_z(camera));
@@ -175,7 +176,7 @@ fn the_weightings_have_their_documented_ratios() {
             "rear" => 40.0,
             _ => -disk.seen_from([1.0, 0.0]).center[0].recip(),
         };
-        // The literal formula divides by the disk of the lens table.
+        // The literal formula divides by the area of the disk in the lens table.
         let divisor = match pupil {
             "rear" => PI * lens.rear().semi_diameter.powi(2),
             _ => disk.area().expect("finite"),
@@ -233,7 +234,7 @@ fn the_films_size_is_not_in_the_assignments_exposure() {
     let [(small, small_messages), (large, large_messages)] = &cameras;
     let semi_diameter = small.facts().expect("a lens").lens.rear().semi_diameter;
 
-    // The same film points of both films: on the axis, and 4 mm from it.
+    // The film points are the same on both films: on the axis, and 4 mm from it.
     for height in [0.0, 4.0] {
         let at = |camera: &Camera| {
             let pixel = camera.facts().expect("a lens").film.diagonal() / 500.0;
@@ -246,7 +247,8 @@ fn the_films_size_is_not_in_the_assignments_exposure() {
         agree(&format!("assignment, {height} mm from the axis"), found, expected[0]);
     }
 
-    // Small film sees the whole clear aperture within the table's disk, so there is no warning; large film does not.
+    // Small film receives light through the whole clear aperture within the table's disk, so there is no warning; large
+    // film does not, and there is one.
     assert!(!small_messages.iter().any(|text| text.contains("pupil \"rear\"")), "{small_messages:?}");
     let ratio = (PupilDisk::rear(
         &large.facts().expect("a lens").lens,
@@ -260,7 +262,7 @@ fn the_films_size_is_not_in_the_assignments_exposure() {
     let factor = format!("divide by {ratio:.4} for the formula itself");
     assert!(large_messages.iter().any(|text| text.contains(&factor)), "{large_messages:?}");
 
-    // Ray by ray: cos⁴/Z² up to rounding on small film, and on large film after the division.
+    // Each ray has the weight cos⁴/Z², up to rounding: on small film directly, and on large film after the division.
     let mut random = Random::new(8);
     for (camera, radius, divisor) in
         [(small, semi_diameter, 1.0), (large, semi_diameter * ratio.sqrt(), ratio)]
@@ -363,7 +365,7 @@ fn a_pupil_at_infinity_or_behind_the_film_is_sampled_in_slopes() {
     }
 }
 
-/// Integrates over a small square of slopes, the whole and the part inside.
+/// Integrates over a small square of slopes: over the whole square, and over the part inside.
 fn fine_grid(
     lens: &Lens,
     film: f64,

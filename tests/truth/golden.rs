@@ -1,5 +1,5 @@
-//! The tracer and first-order optics against independent tables: exact arithmetic (70 digits) and the programs optiland
-//! and rayoptics. `golden/README.md` describes how they were made.
+//! The tracer and first-order optics against independent tables, made by exact arithmetic (70 digits) and by the
+//! programs optiland and rayoptics. `golden/README.md` describes how the tables were made.
 
 use super::tables;
 
@@ -142,10 +142,10 @@ fn files_are_read_as_optiland_and_rayoptics_read_them() {
     assert_eq!(rays, 146);
 }
 
-/// Returns focal length and focal points by the lecture's recipe: an exact ray parallel to the axis, at a
-/// ten-thousandth of the smallest clear aperture from it, crosses the axis at the focal point, and meets its own
-/// continuation in the principal plane; one from each side. The remaining error is the third-order aberration at that
-/// height, about 1e-7 of the focal length.
+/// Returns focal length and focal points by the lecture's recipe, from one ray on each side. An exact ray is parallel
+/// to the axis, at a distance of a ten-thousandth of the smallest clear aperture. It crosses the axis at the focal
+/// point, and its continuation meets it in the principal plane. The remaining error is the third-order aberration at
+/// that height, about 1e-7 of the focal length.
 fn by_paraxial_rays(lens: &Lens) -> (f64, f64, f64) {
     let height =
         1e-4 * lens.surfaces.iter().map(|surface| surface.semi_diameter).fold(f64::INFINITY, f64::min);
@@ -155,7 +155,7 @@ fn by_paraxial_rays(lens: &Lens) -> (f64, f64, f64) {
         let slope = ray.direction[1] / ray.direction[2];
         (-heading * height / slope, ray.origin[2] - ray.origin[1] / slope)
     };
-    // The rays start before the first surface and behind the last, including their bulges.
+    // The rays start in front of the first surface or behind the last, including the bulges of these surfaces.
     let (focal_length, rear) = crossing(Path::scene_to_film(lens), 1.0, -1.0);
     let (_, front) = crossing(Path::film_to_scene(lens), lens.rear().vertex - 1.0, 1.0);
     (focal_length, front, rear)

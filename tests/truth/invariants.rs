@@ -19,8 +19,8 @@ use realistic_optics::{
 };
 use support::{Random, build, host_with, lens, lens_of, sample};
 
-/// Returns film rays of a lens: from a film a little behind the focal plane to points of the rear element, or of the
-/// exit pupil if the rear element is wider than its distance.
+/// Returns film rays of a lens, from a film slightly behind the focal plane. They lead to points of the rear element,
+/// or of the exit pupil if the rear element is wider than its distance from the film.
 fn film_rays(lens: &Lens, seed: u64, count: usize) -> impl Iterator<Item = Ray> {
     let rear = lens.rear();
     let focal = FirstOrder::of(lens).expect("focal");
@@ -117,7 +117,7 @@ fn the_lagrange_invariant_of_paraxial_rays_is_conserved() {
         let lens = lens(name);
         let matrix = Abcd::of_lens(&lens);
         assert!((matrix.a * matrix.d - matrix.b * matrix.c - 1.0).abs() < 1e-13, "{name}: {matrix:?}");
-        // For exact rays very near the axis, u₁ y₂ - u₂ y₁ in any two planes in air.
+        // For exact rays very near the axis, u₁ y₂ - u₂ y₁ is the same in any two planes in air.
         let path = Path::<f64>::film_to_scene(&lens);
         let film = lens.rear().vertex - 10.0;
         let [(y1, u1), (y2, u2)] = [(2e-5, 4e-6), (-1e-5, 6e-6)];
@@ -131,8 +131,8 @@ fn the_lagrange_invariant_of_paraxial_rays_is_conserved() {
     }
 }
 
-/// Maps (x, y, dx, dy) on the film to (x, y, dx, dy) in the plane z = 20 mm: both are in air, so the map is symplectic
-/// in these coordinates.
+/// Maps (x, y, dx, dy) on the film to (x, y, dx, dy) in the plane z = 20 mm. Both planes are in air, so the map is
+/// symplectic in these coordinates.
 fn phase_space(path: &Path, film: f64, q: [f64; 4]) -> Option<[f64; 4]> {
     let dz = (1.0 - q[2] * q[2] - q[3] * q[3]).sqrt();
     let ray = Ray { origin: [q[0], q[1], film], direction: [q[2], q[3], dz] };
@@ -168,13 +168,13 @@ fn etendue_is_conserved_for_rays_on_and_off_the_axis() {
         let path = Path::<f64>::film_to_scene(&lens);
         let mut checked = 0;
         for (film, scene) in passing(&lens, 3, 2000) {
-            // Beyond 75 degrees the plane in front is too far away for differences.
+            // Beyond 75 degrees, the plane in front is too far away for accurate differences.
             if scene.direction[2] < 0.25 {
                 continue;
             }
             let d = unit(film.direction);
             let q = [film.origin[0], film.origin[1], d[0], d[1]];
-            // Columns by differences of fourth order in units of 1e-3 mm and 1e-5 rad.
+            // The columns are differences of fourth order, in units of 1e-3 mm and 1e-5 rad.
             let column = |axis: usize| {
                 let step = if axis < 2 { 1e-3 } else { 1e-5 };
                 let at = |k: f64| {
@@ -277,7 +277,7 @@ fn the_length_of_a_direction_changes_nothing() {
         for exponent in [-1060.0_f64, -900.0, -1.0, 40.0, 1016.0] {
             let longer = Ray { direction: film.direction.map(|d| d * exponent.exp2()), ..film };
             let got = path.trace(longer).unwrap_or_else(|why| panic!("2^{exponent}: {longer:?}: {why}"));
-            // Components of a direction that small have few digits.
+            // Components of such a small direction have few digits.
             let allowed = if exponent < -1020.0 { 1e-3 } else { 0.0 };
             let turn = length(minus(got.direction, scene.direction));
             assert!(turn <= allowed, "2^{exponent}: {turn:e}");
@@ -287,8 +287,8 @@ fn the_length_of_a_direction_changes_nothing() {
 
 #[test]
 fn a_sphere_images_its_aplanatic_points_stigmatically() {
-    // Light converging to R n behind the centre is refracted to R/n behind it (Born and Wolf, §4.2.3). The second
-    // surface is concentric with that image and refracts nothing.
+    // Light that converges to R n behind the centre is refracted toward R/n behind it (Born and Wolf, §4.2.3). The
+    // second surface is concentric with that image and refracts nothing.
     let (radius, n, thickness) = (20.0, 1.5, 5.0);
     let lens = lens_of(&format!("20 5 1.5 38\n{} 0 1 30\n", radius + radius / n - thickness));
     let path = Path::<f64>::scene_to_film(&lens);
@@ -309,7 +309,7 @@ fn a_sphere_images_its_aplanatic_points_stigmatically() {
 
 #[test]
 fn concentric_shells_do_not_bend_rays_through_their_centre() {
-    // Six spheres about z = -40.
+    // The lens has six spheres about z = -40.
     let lens = lens_of("40 6 1.6 60\n34 4 1.8 50\n30 7 1 44\n23 5 1.5 30\n18 8 1.9 26\n10 0 1 16\n");
     let path = Path::<f64>::film_to_scene(&lens);
     for slope in (-9..10).map(|i| f64::from(i) * 0.08) {
@@ -363,7 +363,7 @@ fn close_rays_meet_where_coddington_says() {
         sphere.surfaces = vec![surface];
         let path = Path::<f64>::scene_to_film(&sphere);
         for (height, angle) in [(0.0_f64, 0.5_f64), (9.0, 0.0), (8.0, 0.4), (-12.0, 0.3)] {
-            // An object point 80 mm up the chief ray from the surface; tangential is the y-z plane.
+            // The object point lies 80 mm from the surface, up the chief ray; the tangential plane is the y-z plane.
             let chief = [0.0, angle.sin(), -angle.cos()];
             let hit = [0.0, height, surface.sagitta(height)];
             let object = std::array::from_fn(|i| hit[i] - 80.0 * chief[i]);
@@ -372,7 +372,8 @@ fn close_rays_meet_where_coddington_says() {
                 path.trace(Ray { origin: object, direction }).expect("through")
             };
             let middle = trace([0.0; 3]);
-            // Distance along the refracted chief ray to its closest approach by a neighbouring ray.
+            // Returns the distance along the refracted chief ray to the point that a neighbouring ray approaches most
+            // closely.
             let focus = |turn: [f64; 3]| {
                 let meeting = |sign: f64| {
                     let close = trace(turn.map(|x| sign * x));
@@ -393,7 +394,7 @@ fn close_rays_meet_where_coddington_says() {
             let across_y = [0.0, h * angle.cos(), h * angle.sin()];
             let (tangential, sagittal) = (focus(across_y), focus([h, 0.0, 0.0]));
             let centre = [0.0, 0.0, -radius];
-            // The normal on the side of the refracted light.
+            // The normal points to the side of the refracted light.
             let normal = unit(minus(centre, hit)).map(|x| radius.signum() * x);
             let cos = chief.iter().zip(normal).map(|(a, b)| a * b).sum::<f64>();
             let cos_after = (1.0 - (1.0 - cos * cos) / (n * n)).sqrt();
@@ -412,8 +413,8 @@ fn close_rays_meet_where_coddington_says() {
     }
 }
 
-/// Generates tables of one to eight rows that read as lenses: any order of radii, media, thicknesses and apertures,
-/// with or without a stop; they may not image anything.
+/// Generates tables of one to eight rows that can be read as lenses, but may not image anything: any order of radii,
+/// media, thicknesses and apertures, with or without a stop.
 fn tables() -> impl Strategy<Value = String> {
     let radius = prop_oneof![2 => 4.0..300.0_f64, 2 => -300.0..-4.0_f64, 1 => Just(0.0)];
     let index = prop_oneof![1 => Just(1.0), 2 => 1.3..2.2_f64];
@@ -489,8 +490,8 @@ proptest! {
             if !cosines_are_safe {
                 continue;
             }
-            // Start in front of the whole lens: a stop in the last row may lie behind the surface whose bulge contains
-            // it.
+            // Rays start in front of the whole lens: a stop in the last row may lie behind the surface whose bulge
+            // contains it.
             let start = std::array::from_fn(|i| scene.origin[i] + lens.surfaces[0].semi_diameter * scene.direction[i]);
             let turned = Ray { origin: start, direction: scene.direction.map(|d| -d) };
             let got = back.trace(turned);

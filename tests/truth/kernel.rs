@@ -1,5 +1,5 @@
-//! The kernel: the portable instance against exact arithmetic and the walk, every other instance against the portable
-//! one, bit for bit.
+//! The kernel: its portable instance is compared with exact arithmetic and the walk, and every other instance with the
+//! portable one, bit for bit.
 
 use super::{
     aspheres::{asphere, lens as aspheric_lens},
@@ -16,9 +16,9 @@ use realistic_simd::Simd;
 use realistic_trace::kernel::{Kernel, KernelScalar, LensRays, PlaneRays};
 use tables::{LENSES, difference, lens, numbers, outcome, ray, table};
 
-/// The error bounds of a precision, and its values' bits.
+/// The error bounds of a precision, and the bits of its values.
 trait Checked: KernelScalar + std::fmt::Debug {
-    /// Margin below which a row of the tables may either pass or be blocked.
+    /// Margin of a table's row below which a ray may either pass or be blocked.
     const MARGIN: f64;
     /// Largest errors of position (mm) and direction (rad) over all golden lenses.
     const ERRORS: (f64, f64);
@@ -42,7 +42,7 @@ impl Checked for f32 {
     }
 }
 
-/// Structure of arrays, which starts `offset` elements after the allocation.
+/// Structure of arrays, whose data start `offset` elements after the allocation.
 #[derive(Clone)]
 struct Arrays<S> {
     columns: [Vec<S>; 7],
@@ -120,7 +120,8 @@ fn one<S: Checked>(kernel: &Kernel<S>, plane: f64, [x, y, sx, sy]: [S; 4]) -> [S
     })
 }
 
-/// Returns z of a film behind the lens, and `n` rays from it through a disk slightly larger than the rear element.
+/// Returns z of a film behind the lens, and `n` rays from that film through a disk slightly larger than the rear
+/// element.
 fn film<S: Checked>(lens: &Lens, n: usize) -> (f64, Film<S>) {
     let (rear, mut numbers) = (lens.rear(), Random::new(n as u64));
     let distance = 2.5 * rear.semi_diameter;
@@ -209,7 +210,7 @@ fn golden_rays<S: Checked>() {
                 match (traced.result(i), expected) {
                     (Some(ray_got), _) => {
                         let (p, d) = difference(ray_got, ray(numbers(&row[6..12])));
-                        // The tables start scene rays up to 1 km away, farther than single precision resolves.
+                        // The tables start scene rays up to 1 km away, where single precision cannot resolve the lens.
                         let far = S::EPSILON > 1e-10 && rays[i].origin[2].abs() > 1e3;
                         if !far {
                             worst = (worst.0.max(p), worst.1.max(d));
@@ -251,7 +252,7 @@ fn film_rays<S: Checked>() {
     }
 }
 
-/// Returns zeros, subnormals, infinities, NaN, and their neighbours.
+/// Returns zeros, subnormals, infinities and NaN, and the neighbours of these numbers.
 fn extremes<S: Checked>() -> Vec<S> {
     let single = S::EPSILON > 1e-10;
     let (tiny, huge) = if single { (1e-42, 1e38) } else { (1e-310, 1e308) };
@@ -260,8 +261,8 @@ fn extremes<S: Checked>() -> Vec<S> {
         .to_vec()
 }
 
-/// Compares batches of `n` film rays, some with extreme values, which start `offset` elements after an aligned address;
-/// and triples of them.
+/// Compares batches and triples of `n` film rays, some with extreme values, which start `offset` elements after an
+/// aligned address.
 fn film_rays_agree<S: Checked>(lens: &Lens, simd: Simd, n: usize, random: &mut Random) {
     let reference = kernel::<S>(lens, Direction::FilmToScene, Simd::Portable);
     let kernel = kernel::<S>(lens, Direction::FilmToScene, simd);
@@ -319,7 +320,8 @@ fn instances_agree<S: Checked>() {
     for simd in Simd::ALL.into_iter().filter(|simd| simd.is_available()) {
         let random = &mut Random::new(1);
         for lens in every_lens() {
-            // Up to more than two groups of the widest vectors, so that any number of lanes and of vectors is idle.
+            // The number of rays goes up to more than two groups of the widest vectors, so that any number of lanes and
+            // of vectors is idle.
             for _ in 0..30 {
                 let n = (71.0 * random.next()) as usize;
                 film_rays_agree::<S>(&lens, simd, n, random);
@@ -335,8 +337,8 @@ fn every_instance_has_the_bits_of_portable_single_rays() {
     instances_agree::<f32>();
 }
 
-/// Compares axis-parallel rays at the exact height of grazing, x = R, and of the critical angle, x = R/n' with n = 2:
-/// the squares under both roots are exactly 0 there, but not for the neighbours on either side.
+/// Compares axis-parallel rays at the exact height of grazing, x = R, and of the critical angle, x = R/n' with n = 2.
+/// At these heights the squares under both roots are exactly 0, but not for the neighbours on either side.
 fn grazing_and_critical_rays<S: Checked>() {
     let surface = |vertex: f64, radius: f64, n_scene: f64, n_film: f64| Surface {
         vertex,
@@ -359,7 +361,8 @@ fn grazing_and_critical_rays<S: Checked>() {
         }
         Lens { name: "exact".to_owned(), surfaces, wavelength: 587.56, nominal_film_distance: None }
     };
-    // A ball's near half from the film; glass with a plane back and a convex front, or a sphere in between.
+    // The lenses are the near half of a ball, seen from the film; and glass with a convex front and a plane back, or
+    // with a sphere in between.
     let grazing = lens(&[surface(0.0, -8.0, 1.5, 1.0)]);
     let critical = lens(&[surface(0.0, 8.0, 1.0, 2.0), plane(-8.0, 2.0, 1.0)]);
     let linked = lens(&[surface(0.0, 8.0, 1.0, 2.0), surface(-4.0, -16.0, 2.0, 2.0), plane(-8.0, 2.0, 1.0)]);
@@ -438,7 +441,7 @@ fn a_lens_scaled_by_powers_of_two_gives_scaled_bits() {
     scaled_rays::<f32>();
 }
 
-/// The next test runs this one again for every value of the variable.
+/// Checks the choice of instructions; the next test runs this test again for every value of the variable.
 #[test]
 fn the_choice_is_available_and_within_the_limit() {
     let best = Simd::best();

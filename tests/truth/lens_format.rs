@@ -34,7 +34,7 @@ fn every_example_is_a_lens() {
     assert_eq!(iris.blades, Some(Blades { count: 7, rotation: 12.0, curvature: 0.25 }));
     let quarter = SurfaceCoating::Named { coating: Coating::QuarterWave, wavelength: 520.0 };
     assert_eq!(coated.coatings, Some(vec![quarter.clone(), quarter.clone(), quarter, Coating::Bare.into()]));
-    // A quarter, a half and a quarter wave for 550 nm, the definition of the name.
+    // Layers of a quarter, a half and a quarter wave at 550 nm are the definition of this name.
     let stack = window.coatings.as_ref().map(|own| own[0].from_air()).expect("a stack");
     let named = SurfaceCoating::from(Coating::ThreeLayer).from_air();
     assert_eq!(stack.len(), named.len());

@@ -1,4 +1,4 @@
-//! Messages offer a solution: the intended name, the unit, the row, in few words.
+//! Messages offer a solution in few words: the intended name, the unit, or the row.
 
 use super::support;
 
@@ -33,7 +33,7 @@ fn a_file_that_states_a_wrong_focal_length_warns() {
         assert_eq!(warnings(&format!("{near}{rows}")), [""; 0]);
     }
     assert!(warnings(&format!("21.1\n{rows}"))[0].contains("21.1 mm"));
-    // The first misstated position is reported: two thin lenses of 50 mm, 1/f = 2/50 - gap/50².
+    // The first misstated position is reported. The lens is two thin lenses of 50 mm, for which 1/f = 2/50 - gap/50².
     let zoom = "positions a b c\ngap 2 10 20 30\nfocal 27.8 31.3 31.3\n50 0 1.5 9\n-50 10 1 9\n50 0 1.5 9\n-50 9 1 9\n";
     let messages = warnings(zoom);
     assert!(
@@ -134,14 +134,14 @@ fn warnings(given: &[(&str, &str)]) -> Vec<String> {
 fn film_that_is_mostly_dark_is_reported_with_the_film_that_fits() {
     let [dark] = &warnings(&[("lens_file", "phone.4mm")])[..] else { panic!("one warning") };
     assert!(dark.starts_with("most of the film is dark: light reaches it up to 3."), "{dark}");
-    // f tan(37 degrees) is 3.09 mm, and the corner of its film is lit.
+    // f tan(37 degrees) is 3.09 mm, and the corner of this lens's film is lit.
     let words: Vec<&str> = dark.split(' ').collect();
     let fits = words[words.len() - 4].parse::<f64>().expect("a number");
     assert!((6.1..7.0).contains(&fits), "{dark}");
     for lit in [
         &[("lens_file", "phone.4mm"), ("film_diagonal", &fits.to_string()[..])][..],
         &[("lens_file", "dgauss.50mm")],
-        // Its corners are dark, but little of its area is.
+        // The film's corners are dark, but little of its area is.
         &[("lens_file", "fisheye.10mm")],
         // Few samples pass, but the film is lit.
         &[("lens_file", "dgauss.50mm"), ("pupil", "rear"), ("fnumber", "16")],
@@ -174,8 +174,8 @@ fn film_without_a_plane_of_focus_warns_with_its_unit() {
 
 #[test]
 fn film_that_the_lens_file_puts_far_from_any_focus_is_reported() {
-    // A focal length of 20.87 mm; paraxial rays from infinity meet 19.13 mm behind the last vertex, the
-    // whole beam best at 18.94 mm.
+    // The focal length is 20.87 mm; paraxial rays from infinity meet 19.13 mm behind the last vertex, and the best
+    // focus of the whole beam is at 18.94 mm.
     let warnings = |film: &str, given: &[(&str, &str)]| {
         build(&host_with(&format!("20 5 1.5 4\n-20 {film} 1 4\n")), given).expect("a camera").1
     };
@@ -212,7 +212,7 @@ fn a_column_headed_as_radii_is_read_as_radii() {
         let (camera, warnings) = build(&host_with(&format!("{heading}\n{rows}")), &[]).expect("a camera");
         (camera.facts().expect("a lens").fnumber(), camera.facts().expect("a lens").focal_length(), warnings)
     };
-    // 1/f = (n - 1) (2/R - (n - 1) d/(n R²)), and the stop in front is the entrance pupil, 18 mm wide.
+    // 1/f = (n - 1) (2/R - (n - 1) d/(n R²)), and the stop in front, which is the entrance pupil, is 18 mm wide.
     let focal = f64::recip(0.6 * (2.0 / 65.0 - 0.6 * 6.0 / (1.6 * 65.0 * 65.0)));
     assert!((focal - 55.12).abs() < 5e-3);
     for heading in [

@@ -17,8 +17,8 @@ fn text_of(rows: &[Vec<f64>]) -> String {
     rows.iter().map(line).collect()
 }
 
-/// The outcome of a lens: it builds without a warning, with the warning of a blurred axis, or not at
-/// all.
+/// The outcome of a lens: it builds without a warning, it builds with the warning of a blurred axis, or it does not
+/// build.
 #[derive(Debug, PartialEq)]
 enum Fate {
     Silent,
@@ -41,7 +41,7 @@ fn a_wrong_radius_warns_and_no_sane_lens_does() {
     for (name, _) in LENSES {
         let right = rows(name);
         assert_eq!(fate(&text_of(&right), &[]), Fate::Silent, "{name}");
-        // Manufacturing tolerances, or a slightly different glass.
+        // Changes of the size of manufacturing tolerances, or to a slightly different glass.
         for _ in 0..20 {
             let mut made = right.clone();
             for row in &mut made {
@@ -62,7 +62,7 @@ fn a_wrong_radius_warns_and_no_sane_lens_does() {
             digits += usize::from(with(0.1));
         }
     }
-    // The undetected rest are weak surfaces, whose sign has little effect by design.
+    // The misprints that remain undetected are in weak surfaces, whose sign has little effect by design.
     assert!(radii > 35 && 2 * signs > radii && 10 * digits > 7 * radii, "{signs}, {digits} of {radii}");
 }
 

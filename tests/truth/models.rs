@@ -1,6 +1,6 @@
 //! The models without interfaces (perspective, orthographic, environment, thick, thin) against independent formulas in
-//! double precision: one call and batches, every disk mapping, cameras at rest, in motion and with a shutter, with any
-//! instructions of the processor.
+//! double precision: by single calls and batches, for every disk mapping, for cameras at rest, in motion and with a
+//! shutter, and with any instructions of the processor.
 
 use std::f64::consts::{FRAC_PI_4, PI};
 
@@ -10,12 +10,12 @@ use glam::{DMat3, DQuat, DVec3};
 
 use super::support::{RASTER, Random};
 
-/// Numbers of samples in a batch: near the widths of vectors, and four of the widest.
+/// Numbers of samples in a batch: near multiples of the vector widths, up to four of the widest vectors.
 const SIZES: [usize; 15] = [0, 1, 2, 3, 4, 5, 7, 8, 9, 15, 16, 17, 63, 64, 257];
 /// The largest batch.
 const MOST: usize = 257;
 
-/// A ray by the formulas, in camera space, with its weight.
+/// The ray that the formulas give, in camera space, with its weight.
 #[derive(Clone, Copy, Debug)]
 struct Expected {
     origin: DVec3,
@@ -24,7 +24,7 @@ struct Expected {
     weight: f64,
 }
 
-/// A function from the sample's image point (pixels) and the point of the unit disk to a ray.
+/// A function that maps the sample's image point (pixels) and the point of the unit disk to a ray.
 type Formula = Box<dyn Fn([f64; 2], [f64; 2]) -> Expected>;
 
 fn camera(host: &Host, given: &[(&str, &str)]) -> Camera {
@@ -63,7 +63,7 @@ fn screen([x, y]: [f64; 2]) -> [f64; 2] {
     [(x - 200.0) / 150.0, (150.0 - y) / 150.0]
 }
 
-/// Returns a pinhole, or a thin lens focused on z = `focus`, with the near plane at 0.5 and the far one at 20.
+/// Returns a pinhole, or a thin lens focused on z = `focus`, with the near plane at 0.5 and the far plane at 20.
 fn projective(fov: Option<f64>, radius: f64, focus: f64) -> Formula {
     let (hither, yon) = (0.5, 20.0);
     Box::new(move |image, disk| {
@@ -94,18 +94,18 @@ fn environment() -> Formula {
     })
 }
 
-/// Returns one lens of two refracting surfaces with the rear one as the stop, imaged by similar triangles. For the
-/// thick lens the exit pupil lies in the rear vertex plane, as wide there as the cone from the film's centre through
-/// the surface's edge.
+/// Returns a lens of two refracting surfaces, the rear one being the stop, modelled by similar triangles. The thick
+/// lens's exit pupil lies in the rear vertex plane, where it is as wide as the cone from the film's centre through the
+/// surface's edge.
 fn single_lens(thin: bool) -> Formula {
     // Radii, thickness and index of `LENS`, and the lensmaker's equation.
     let (r1, r2, t, n, film, edge) = (60.0_f64, -80.0_f64, 8.0, 1.5, 90.0, 4.0_f64);
-    // Sagitta of the edge, toward the scene from the vertex.
+    // Sagitta of the surface's edge, measured from the vertex toward the scene.
     let sagitta = -r2 - (r2 * r2 - edge * edge).sqrt();
     let pupil = edge * film / (film + sagitta);
     let power = (n - 1.0) * (1.0 / r1 - 1.0 / r2 + (n - 1.0) * t / (n * r1 * r2));
     let f = 1.0 / power;
-    // Distances from the front vertex toward the film, and from the rear vertex.
+    // Distances of the principal planes: from the front vertex toward the film, and from the rear vertex.
     let front = f * (n - 1.0) * t / (n * r2);
     let rear = f * (n - 1.0) * t / (n * r1);
     let front_plane = front;
@@ -189,8 +189,8 @@ fn placed(expected: Expected, placement: Placement, time: f64) -> ([f64; 3], [f6
     (origin.to_array(), unit.to_array(), expected.range, placement == Placement::Scaled)
 }
 
-/// Checks errors to within a few roundings of single precision; `scale` is the size of the numbers that the values are
-/// computed from.
+/// Checks errors to within a few roundings of single precision; `scale` is the size of the numbers from which the
+/// values are computed.
 #[track_caller]
 fn near(what: &str, got: &[f32], expected: &[f64], scale: f64) {
     for (got, expected) in got.iter().zip(expected) {
@@ -204,7 +204,7 @@ fn near(what: &str, got: &[f32], expected: &[f64], scale: f64) {
 
 fn samples(seed: u64, count: usize) -> Vec<Sample> {
     let mut random = Random::new(seed);
-    // Includes both ends of a lens sample's range now and then.
+    // The numbers include both ends of a lens sample's range now and then.
     let mut number = move || ((random.next() * 1.02 - 0.01) as f32).clamp(0.0, 1.0);
     (0..count)
         .map(|_| Sample {
@@ -217,7 +217,7 @@ fn samples(seed: u64, count: usize) -> Vec<Sample> {
         .collect()
 }
 
-/// Returns the rays of a batch; `None` for blocked ones, whose elements must be unchanged.
+/// Returns the rays of a batch; `None` for blocked rays, whose elements must be unchanged.
 fn batch(camera: &Camera, samples: &[Sample]) -> Vec<Option<(WorldRay, f32)>> {
     let (mut columns, mut found) = (SampleColumns::new(MOST), RayColumns::new(MOST));
     samples.iter().enumerate().for_each(|(i, sample)| columns.set(i, sample));
@@ -281,15 +281,16 @@ fn every_ray_is_the_formulas_and_a_batchs_the_same_to_the_bit() {
                     assert!(!has_disk || point.is_some(), "{what}: a ray of no point");
                     let expected = formula([image_x.into(), image_y.into()], point.unwrap_or_default());
                     let (origin, direction, range, stretched) = placed(expected, placement, time.into());
-                    // Behind a lens, the origin is the difference of film point and slope times distance, some 20 mm
-                    // each.
+                    // Behind a lens, the origin is the difference of two numbers of some 20 mm: the film point, and the
+                    // slope times the distance.
                     let least = if prescription { 20.0 } else { 0.0 };
                     let size = DVec3::from(origin).length().max(expected.origin.length()).max(least);
                     near(&what, &ray.origin, &origin, roundings * size);
                     near(&what, &ray.direction, &direction, roundings);
                     near(&what, &[weight], &[expected.weight], 2.0 * expected.weight);
                     assert_eq!(ray.time, time, "{what}");
-                    // A stretched space scales the ranges: a stock camera's along the ray, a lens's along the axis.
+                    // A stretched space scales the ranges: a stock camera's range is scaled along the ray, a lens's
+                    // range along the axis.
                     let stretch = match (stretched, prescription) {
                         (_, true) => (placement.linear(0.0) * DVec3::Z).length(),
                         (true, false) => (placement.linear(time.into()) * expected.direction).length(),
@@ -328,7 +329,7 @@ fn the_image_is_the_sphere_of_directions() {
     }
 }
 
-/// Prints the bits of all models' rays, for every process of the next test.
+/// Prints the bits of all models' rays; the processes of the next test run this test.
 #[test]
 fn bits_of_the_models() {
     let mut sum = 0xcbf2_9ce4_8422_2325_u64;

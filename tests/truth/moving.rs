@@ -11,8 +11,8 @@ use realistic_optics::lens::{Lens, first_order::FirstOrder};
 use realistic_optics::prescription::{Prescription, catalogue, read};
 
 /// Rows of US 2003/0133200 A1 (S. Sato, Nikon 2003), example 1: 70-200 mm f/2.8, focused by its second group; the last
-/// three positions at a distance of 1.5 m. Clear diameters are derived. Radius, thickness, index behind, clear
-/// diameter.
+/// three positions are at a distance of 1.5 m. Clear diameters are derived. The columns are radius, thickness, index
+/// behind and clear diameter.
 const ROWS: &str = "\
 136.2696 2.2 1.804 72.7
 65.921 9 1.49782 68.7
@@ -52,7 +52,7 @@ const ROWS: &str = "\
 -60.14 2 1.84666 34.7
 -641.0882 66.21049 1 34.9
 ";
-/// The positions, in the format of a lens file. The last three are the patent's for D0 = 1241.9566 mm.
+/// The positions, in the format of a lens file. The last three are the patent's positions for D0 = 1241.9566 mm.
 const POSITIONS: &str = "\
 positions wide middle tele - - -
 gap 5 14.1595 14.1595 14.1595 4.43994 4.43994 4.43994
@@ -101,10 +101,10 @@ fn at_its_positions_the_lens_is_what_the_patent_states() {
         let stop = lens.stop_index().expect("a stop");
         let fnumber = AxialBeam::of(&lens).fnumber(optics.focal_length);
         assert!((fnumber - 2.88).abs() < 1e-12, "{fnumber}");
-        // The stop is equally wide at all three for a real ray at f/2.88, 37.42 mm.
+        // For a real ray at f/2.88, the stop is equally wide at all three positions, 37.42 mm.
         let diameter = 2.0 * lens.surfaces[stop].semi_diameter;
         assert!((diameter / 37.42 - 1.0).abs() < 1e-3, "{diameter}");
-        // Focused near, the film is still at the image.
+        // When the lens is focused near, the film is still at the image.
         let lens = Lens::at_d_line(&travel.at(NEAR.recip()));
         let image = FirstOrder::of(&lens).expect("focal").image_distance(NEAR.recip());
         assert!((image - FILM).abs() < 0.03, "{stated} mm near: {image}");
@@ -137,8 +137,8 @@ fn a_zoom_between_positions_is_exact_and_stays_in_focus() {
             (least - 1e-9..most + 1e-9).contains(&off),
             "{focal_length}: {off}, at the positions {listed:?}"
         );
-        // The near end is also within the depth of focus for a circle of 0.05 mm: the groups' paths to it are
-        // interpolated between those of the positions.
+        // The near end is also within the depth of focus for a circle of 0.05 mm, although the groups' paths to it are
+        // interpolated between the positions.
         let [_, near] = travel.range();
         let near = near / 1.1;
         let image = FirstOrder::of(&Lens::at_d_line(&travel.at(near))).expect("focal").image_distance(near);
@@ -174,7 +174,7 @@ fn groups_focus_at_any_distance_with_the_film_fixed() {
     let mut random = Random::new(5);
     for _ in 0..12 {
         let focal_length = 71.5 * (195.5_f64 / 71.5).powf(random.next());
-        // Distances from 1.5 m on, uniform in the reciprocal.
+        // Distances are 1.5 m or more, uniform in the reciprocal.
         let distance = 1500.0 / (1.0 - 0.97 * random.next());
         let zoom = focal_length.to_string();
         let far = build(&zoom_host(), &[("zoom", &zoom), ("fnumber", "4")]).expect("in reach").0;
@@ -194,13 +194,13 @@ fn groups_focus_at_any_distance_with_the_film_fixed() {
             "the film has moved"
         );
         assert_eq!(facts.focus_distance_mm, Some(distance));
-        // In the reverse direction, from the film, spherical aberration shifts the narrowest point: by less than the
-        // distance that blurs a point to a fifth of a pixel of a 24 megapixel camera.
+        // In the reverse direction, from the film, spherical aberration shifts the narrowest point of the beam. The
+        // shift is less than the distance at which a point is blurred to a fifth of a pixel of a 24 megapixel camera.
         let sharp = DepthOfField::of(&facts.lens, &facts.beam.entrance, facts.film_distance, distance, 0.03);
         let sharp = sharp.expect("focal").expect("a pupil");
         let found = meeting(&camera);
         assert!((sharp.near..sharp.far).contains(&found), "f = {zoom}: {found} is not {distance}");
-        // Focusing by the film has the same plane in focus.
+        // With focusing by the film, the same plane is in focus.
         let by_film = facts.focus().ok().and_then(|focus| focus.object_distance(facts.film_distance));
         assert!((by_film.expect("in front") / distance - 1.0).abs() < 1e-8, "{by_film:?} is not {distance}");
     }
@@ -212,7 +212,7 @@ fn a_position_by_name_has_the_tables_gaps_and_film() {
         let (camera, _) = build(&zoom_host(), &[("zoom", name)]).expect("a position");
         assert_eq!(camera.facts().expect("a lens").lens.nominal_film_distance, Some(FILM));
         assert!((camera.facts().expect("a lens").focal_length() / focal_length - 1.0).abs() < 1e-3);
-        // The clear diameters of the front elements limit the beam a little at the long end.
+        // At the long end, the clear diameters of the front elements limit the beam slightly.
         let most = if name == "tele" { 3.0 } else { 2.88 + 1e-12 };
         assert!(
             (2.88 - 1e-12..most).contains(&camera.facts().expect("a lens").fnumber()),
@@ -228,7 +228,7 @@ fn a_position_by_name_has_the_tables_gaps_and_film() {
     assert_eq!(lens(&[]), lens(&[("focus_by", "group")]));
 }
 
-/// Checks every column of every table of the catalogue in a camera that is zoomed and focused there.
+/// Checks every column of every table of the catalogue in a camera that is zoomed and focused to that column.
 #[test]
 fn cameras_at_every_position_are_as_the_files_state() {
     let mut columns = [0, 0];
@@ -244,7 +244,7 @@ fn cameras_at_every_position_are_as_the_files_state() {
                     .push(("zoom", positions.columns[zoom].name.clone().expect("every position has a name")));
             }
             if let Some(object) = column.object_distance {
-                // From the object to the first vertex, all gaps, and the film.
+                // The thicknesses go from the object to the first vertex, through all gaps, to the film.
                 let mut thicknesses: Vec<f64> =
                     prescription.interfaces.iter().map(|row| row.thickness).collect();
                 *thicknesses.last_mut().expect("rows") = prescription.nominal_film_distance.expect("stated");
@@ -272,8 +272,8 @@ fn cameras_at_every_position_are_as_the_files_state() {
                 columns[0] += 1;
             }
             if let Some(stated) = column.fnumber {
-                // First-order optics has a wider beam at a curved surface than real rays. The clear diameters are
-                // derived from real rays, and limit it a little.
+                // At a curved surface, first-order optics has a wider beam than real rays. The clear diameters are
+                // derived from real rays, and limit the first-order beam slightly.
                 let own = facts.fnumber();
                 assert!((own / stated - 1.0).abs() < 0.05, "{name}, position {i}: f/{own} for f/{stated}");
                 columns[1] += 1;

@@ -111,7 +111,7 @@ fn any_transform(random: &mut Random) -> Option<CameraToWorld> {
     CameraToWorld::from_rows(&rows).ok()
 }
 
-/// Checks a ray's promises to a host.
+/// Checks the promises that a host is given for a ray.
 fn assert_sound(ray: &WorldRay, weight: f32, of: &dyn std::fmt::Debug) {
     let length = ray.direction.iter().map(|&part| f64::from(part).powi(2)).sum::<f64>().sqrt();
     assert!((length - 1.0).abs() < 1e-6, "length {length}: {ray:?} {of:?}");
@@ -231,7 +231,7 @@ fn what_is_not_representable_is_refused_or_blocked() {
         }
     }
     assert!(passed > 10_000, "{passed}");
-    // Film points 3e9 pictures away, seen through a plane-parallel front.
+    // Film points lie 3e9 pictures away, and look through a plane-parallel front.
     let plate = host_with(
         "-3674.57 1.74089 1.42 19.6531\n0 0.16657 1 8.02708\n0 3.27299 1.552 5.75938\n31.5972 1 1 10.5482",
     );
@@ -248,7 +248,7 @@ fn what_is_not_representable_is_refused_or_blocked() {
 
 #[test]
 fn a_camera_that_no_ray_passes_says_so() {
-    // A stop of a micrometre in front of a lens of 20 mm, all of which is sampled.
+    // A stop of a micrometre lies in front of a lens of 20 mm, all of which is sampled.
     let dark = host_with("0 30 1 1e-3\n30 5 1.5 20\n-30 30 1 20");
     let given = [("film_distance", "30"), ("pupil", "rear")];
     let mut parameters = Parameters::default();

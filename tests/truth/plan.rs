@@ -1,5 +1,5 @@
-//! The plan: leaving out changes no bit, and if a tolerance permits errors, they stay below the stated bound, on rays
-//! that the planner has not used.
+//! The plan: leaving out changes no bit without a tolerance; if a tolerance permits errors, they stay below the stated
+//! bound, on rays that the planner has not used.
 
 use super::support;
 
@@ -45,8 +45,8 @@ fn rays(camera: &Camera, samples: &[Sample]) -> Vec<Option<(WorldRay, f32)>> {
     found
 }
 
-/// Returns the 99.9 % quantile of the errors on fresh rays, pixels; a ray that passes only one of the two counts as
-/// infinite.
+/// Returns the 99.9 % quantile of the errors on fresh rays, pixels; the error of a ray that passes only one of the two
+/// cameras counts as infinite.
 fn quantile_of_errors(entry: Entry, exact: &Camera, model: &Camera, seed: u64) -> f64 {
     const RAYS: usize = 40_000;
     let mut random = Random::new(seed);
@@ -80,9 +80,9 @@ fn quantile_of_errors(entry: Entry, exact: &Camera, model: &Camera, seed: u64) -
     errors[(0.999 * errors.len() as f64) as usize]
 }
 
-/// Checks a camera's errors against its tolerance, on fresh rays; returns the tracings of single calls and of batches.
+/// Checks a camera's errors against its tolerance on fresh rays; returns how single calls and batches are traced.
 fn stay_within(host: &Host, given: &[(&str, &str)], exact: &Camera, tolerance: &str) -> [Tracing; 2] {
-    // The error of world rays from rounding to floats alone, pixels.
+    // The error that rounding to floats alone causes in world rays, pixels.
     const FLOATS: f64 = 3e-4;
     let model = camera(host, &[given, &[("tolerance", tolerance)]].concat());
     let plan = model.plan();
@@ -112,7 +112,7 @@ fn stay_within(host: &Host, given: &[(&str, &str)], exact: &Camera, tolerance: &
 /// Checks that polynomials that replace the surfaces end on the front surface, whatever its figure.
 #[test]
 fn aspheric_lenses_stay_within_the_stated_error() {
-    // The double Gauss with an asphere at the front, and another at the rear.
+    // The lens is the double Gauss with an asphere at the front, and another at the rear.
     let rows = "29.475 3.76 1.67 25.2\n84.83 0.12 1 25.2\n19.275 4.025 1.67 23\n40.77 3.275 1.699 23\n12.75 5.705 1 18\n\
                 0 4.5 0 17.1\n-14.495 1.18 1.603 17\n40.77 6.065 1.658 20\n-20.385 0.19 1 20\n437.065 3.22 1.717 20\n\
                 -39.73 0 1 20\nasphere 1 conic=-0.5 A4=-1e-6 A6=1e-9\nasphere 11 conic=-0.5 A4=4e-6 A6=-4e-9\n";
@@ -144,7 +144,8 @@ fn fresh_rays_stay_within_the_stated_error() {
             }
         }
     }
-    // The models must vary, or the test covers too little. Without vectors few models are cheaper than the exact trace.
+    // The models must vary, or the test covers too little. Without vector instructions, few models are cheaper than the
+    // exact trace.
     if Simd::best() != Simd::Portable {
         let [one, many] = &models;
         let polynomials = |order| Tracing::Polynomials { order, precision: Precision::F32, fit: () };
@@ -152,7 +153,7 @@ fn fresh_rays_stay_within_the_stated_error() {
             assert!(models.contains(&Tracing::Exact(Precision::F32)) && models.contains(&polynomials(5)));
         }
         assert!(one.contains(&polynomials(7)));
-        // The fastest model in batches differs from the fastest one by one.
+        // The fastest model in batches differs from the fastest model one by one.
         let apart = one.iter().zip(many).filter(|(one, many)| one != many).count();
         assert!(apart > 5, "{apart}");
     }
@@ -208,7 +209,7 @@ fn without_a_tolerance_the_plan_changes_no_bit() {
             let count = |camera: &Camera| camera.plan().items().iter().filter(|item| !item.kept).count();
             left_out += count(&planned) - count(&unplanned);
             let mut random = Random::new(11);
-            // Some lie far outside the raster, which the plan does not cover.
+            // Some samples lie far outside the raster, which the plan does not cover.
             let samples: Vec<Sample> = (0..6000)
                 .map(|i| random_sample(&mut random, if i % 10 == 0 { 200.0 } else { 2.0 }))
                 .collect();
@@ -271,7 +272,7 @@ fn a_plane_that_neither_bends_nor_clips_changes_nothing() {
 
 #[test]
 fn film_beyond_the_image_is_left_out_only_where_there_is_some() {
-    // The fisheye's image has a radius of 13.4 mm; the table extends there from slightly inside.
+    // The fisheye's image has a radius of 13.4 mm; the table extends to the end of the image from slightly inside.
     for (diagonal, beyond) in [("20", false), ("26", false), ("30", true)] {
         let camera = camera(&host(), &[("lens_file", "fisheye.10mm"), ("film_diagonal", diagonal)]);
         let plan = camera.plan();

@@ -1,5 +1,6 @@
-//! Planes that only limit rays, at any position relative to their neighbours' bulges: a stop blocks a ray by the point
-//! where its line between the surrounding surfaces crosses the stop's plane. The oracle is the lens without the plane.
+//! Planes that only limit rays, at any position relative to the bulges of their neighbours. A stop blocks a ray
+//! according to the point where the ray's line between the surrounding surfaces crosses the stop's plane. The oracle is
+//! the lens without the plane.
 
 use realistic_optics::trace::{Blocked, Direction, Path, Ray};
 
@@ -16,7 +17,8 @@ struct Case {
 }
 
 const CASES: [Case; 8] = [
-    // Between two lenses: in the order of the vertices, inside the first one's bulge, inside the second one's.
+    // The plane lies between two lenses: in the order of the vertices, inside the first one's bulge, and inside the
+    // second one's bulge.
     Case {
         text: "30 4 1.6 20\n-25 1.5 1 20\nstop 1.5 1 12\n28 4 1.6 20\n-40 0 1 20",
         row: 2,
@@ -38,7 +40,8 @@ const CASES: [Case; 8] = [
         plane: -7.5,
         semi_diameter: 7.5,
     },
-    // In front of the first surface and inside its bulge, behind the last one and inside its.
+    // The plane lies in front of the first surface and inside that surface's bulge, or behind the last surface and
+    // inside that surface's bulge.
     Case {
         text: "stop 2 1 14\n30 4 1.6 20\n-25 0 1 20",
         row: 0,
@@ -53,7 +56,7 @@ const CASES: [Case; 8] = [
         plane: -0.8,
         semi_diameter: 7.0,
     },
-    // Inside the bulge of an asphere and of a conic, as in telephone lenses.
+    // The plane lies inside the bulge of an asphere or of a conic, as in telephone lenses.
     Case {
         text: "asphere 2 A4=-1e-5 A6=1e-8\nstop -0.8 1 14\n30 4 1.6 20\n-25 0 1 20",
         row: 0,
@@ -83,8 +86,8 @@ fn distance_at(z: f64, point: [f64; 3], direction: [f64; 3]) -> f64 {
     (point[0] + t * direction[0]).hypot(point[1] + t * direction[1])
 }
 
-/// Traces a ray through the lens without the plane, in that lens's space: returns its distance from the axis in the
-/// plane, and the ray behind the lens; `None` if it is blocked.
+/// Traces a ray through the lens without the plane, in that lens's space. Returns the distance from the axis at which
+/// the ray crosses the plane, and the ray behind the lens; `None` if the ray is blocked.
 fn oracle(case: &Case, direction: Direction, ray: Ray) -> Option<(f64, Ray)> {
     let lens = lens_of(case.without);
     let path = match direction {
@@ -172,7 +175,7 @@ fn a_plane_limits_rays_at_any_position_among_its_neighbours() {
 
 #[test]
 fn behind_a_leading_plane_surfaces_count_from_where_a_ray_began() {
-    // A ball far behind the stop; a stop inside the bulge of a sphere, an asphere, a conic.
+    // The cases are a ball far behind the stop, and a stop inside the bulge of a sphere, an asphere or a conic.
     let ball = "stop 30 1 6\n5 3 1.6 8\n-5 0 1 8";
     let inside = CASES[4..7].iter().map(|case| case.text);
     let mut random = Random::new(11);
@@ -180,7 +183,7 @@ fn behind_a_leading_plane_surfaces_count_from_where_a_ray_began() {
         let lens = lens_of(text);
         let path = Path::<f64>::scene_to_film(&lens);
         let first = lens.surfaces.iter().find(|surface| !surface.only_limits()).expect("glass").vertex;
-        // From in front of the stop to behind the first glass.
+        // Rays travel from in front of the stop to behind the first glass.
         let rays: Vec<Ray> = (0..4000)
             .map(|_| {
                 let start =

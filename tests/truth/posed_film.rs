@@ -1,4 +1,4 @@
-//! Film that is moved aside, tilted or curved, and the exposure: against brute force, closed forms and flat film.
+//! Film that is moved aside, tilted or curved, and its exposure, against brute force, closed forms and flat film.
 
 use std::f64::consts::PI;
 
@@ -14,7 +14,7 @@ use super::support::{Random, build, camera, host, ray};
 /// Pixels of the host's raster.
 const RASTER: [f64; 2] = [400.0, 300.0];
 
-/// A film, with geometry of its own: centre, shift, tilt in degrees, curvature in 1/mm.
+/// A film with geometry of its own: centre, shift, tilt in degrees, and curvature in 1/mm.
 struct PosedFilm {
     centre: f64,
     shift: [f64; 2],
@@ -27,7 +27,8 @@ impl PosedFilm {
     fn at(&self, [u, v]: [f64; 2]) -> ([f64; 3], [f64; 3]) {
         let turn = |[x, y, z]: [f64; 3]| {
             let [a, b] = self.tilt.map(f64::to_radians);
-            // About the film's own y axis first, in its own frame, then about x: the inner rotation is the later one.
+            // The vector is rotated about y, and then about x in the fixed frame; in the film's own frame, the rotation
+            // about y is the later one.
             let [x, z] = [x * b.cos() + z * b.sin(), z * b.cos() - x * b.sin()];
             [x, y * a.cos() - z * a.sin(), z * a.cos() + y * a.sin()]
         };
@@ -139,7 +140,7 @@ fn a_shifted_film_has_the_rays_of_film_that_lies_there() {
             ("film_shift_y", &up),
         ]);
         for (image, lens) in [([120.0, 90.0], [0.3, 0.6]), ([260.0, 170.0], [0.7, 0.2])] {
-            // The film point is farther right and lower: smaller raster x, smaller raster y.
+            // The film point is farther right and lower, so raster x and raster y are smaller.
             let other = [image[0] - moved[0], image[1] - moved[1]];
             let [own, there] = [(&shifted, image), (&still, other)]
                 .map(|(camera, image)| ray(camera, image.map(|x: f64| x as f32), lens).expect("a ray"));
@@ -158,7 +159,7 @@ fn a_plane_through_three_points_is_sharp_on_the_film_for_it() {
     let lens = &plain.facts().expect("a lens").lens;
     let focus = Focus::new(lens).expect("it focuses");
     let first_order = FirstOrder::of(lens).expect("not afocal");
-    // A table top, 150 mm below the axis, from 700 mm to 1600 mm away.
+    // A table top lies 150 mm below the axis, from 700 mm to 1600 mm away.
     let points = [[-200.0, -150.0, 700.0], [250.0, -150.0, 900.0], [0.0, -150.0, 1600.0]];
     let refused = FocusedFilm::on(&focus, &first_order, points);
     let FocusedFilm { film_distance, tilt } = refused.expect("reachable");
@@ -187,7 +188,7 @@ fn a_plane_through_three_points_is_sharp_on_the_film_for_it() {
     let mut depths = Vec::new();
     for image in [[200.0, 210.0], [150.0, 240.0], [260.0, 280.0]] {
         let (width, depth) = spot(&posed, image);
-        // Without the tilt the same part of the table is blurred ten times as much somewhere.
+        // Without the tilt, some part of the same table is blurred ten times as much.
         assert!(width < 0.35, "{image:?}: {width} mm wide at {depth} mm");
         depths.push(depth);
     }
@@ -227,9 +228,9 @@ fn exposed_weights_are_the_linear_exposure_scale_of_the_t_number() {
     let axis = [200.0, 150.0];
     let irradiance = mean_weight(&plain, axis);
     let tnumber = (PI / (4.0 * irradiance)).sqrt();
-    // OpenUSD's computation: responsivity · time · iso / 100 · 2^exposure / fStop².
+    // OpenUSD computes responsivity · time · iso / 100 · 2^exposure / fStop².
     let scale = 0.8 * 0.02 * 4.0 * 1.5_f64.exp2() / (tnumber * tnumber);
     assert!((mean_weight(&exposed, axis) / scale - 1.0).abs() < 1e-6);
-    // The image is farther away than at infinity: bellows cost light.
+    // The image is farther away than for an object at infinity: the extension costs light.
     assert!(tnumber > 4.4, "{tnumber}");
 }

@@ -17,10 +17,10 @@ use realistic_optics::{
 
 /// Random cameras; `lab/examples/pupil_gate.rs` measures more.
 const CAMERAS: u64 = 60;
-/// Field points of each, from the axis to the corner.
+/// Field points of each camera, from the axis to the corner.
 const FIELDS: u32 = 7;
-/// Minimum share of samples that pass where a twentieth of the axis's light or more arrives, and maximum of the light
-/// missed relative to the axis's.
+/// Minimum share of samples that pass where a twentieth of the axis's light or more arrives; and maximum of the light
+/// missed, relative to the axis's light.
 const LEAST: f64 = 0.93;
 const MISSED: f64 = 2e-3;
 
@@ -57,12 +57,12 @@ fn passes_or_names(number: u64) -> [u32; 3] {
         // A pupil with gaps has no single edge along a half-line; a finer grid is used instead.
         let is_named = is_named(&case, height);
         let mean = if is_named { case.weight(point, 400).0 } else { case.expected_weight(point, 400) };
-        // Lines have a thousandth of error if the pupil fills most of them; few lines cross a narrow pupil in the whole
-        // rear element.
+        // An irradiance from lines has an error of a thousandth if the pupil fills most of the lines; few lines across
+        // the whole rear element cross a narrow pupil.
         let near = case.irradiance(point, case.surroundings(point), 200, 100);
         let most = MISSED * axis + 5e-3 * near;
         assert!((mean - near).abs() <= most, "{what}: {mean} is not {near}");
-        // No light through the rear element lies elsewhere.
+        // The rear element transmits no light outside the map's surroundings.
         let whole = case.irradiance(point, case.cover.seen_from(point), 300, 150);
         assert!(whole - mean <= MISSED * axis + 5e-2 * whole, "{what}: {mean} of {whole}");
         if is_named {
@@ -146,8 +146,8 @@ fn a_stop_too_narrow_for_a_table_is_reported() {
     }
 }
 
-/// Returns `interfaces` random weak surfaces, neighbouring ones of which cross within their apertures; aspheres or
-/// spheres.
+/// Returns `interfaces` random weak surfaces, aspheres or spheres, of which neighbouring ones cross within their
+/// apertures.
 fn relay(interfaces: usize, aspheric: bool) -> Lens {
     let mut random = Random::new(interfaces as u64);
     let mut text: String = (0..interfaces)
@@ -168,7 +168,7 @@ fn relay(interfaces: usize, aspheric: bool) -> Lens {
 
 #[test]
 fn the_table_of_any_lens_takes_a_bounded_number_of_rays() {
-    // Bounds of the rays per node, and of the additional searches for the end of the light.
+    // Bounds on the rays per node, and on the additional searches for the end of the light.
     const PER_NODE: u32 = 9_000;
     const END: u32 = 150_000;
     for (interfaces, aspheric) in

@@ -1,5 +1,4 @@
-//! A camera that is built from another has the same bits, facts and messages as one that is built from
-//! scratch.
+//! A camera that is built from another camera has the same bits, facts and messages as one that is built from scratch.
 
 use crate::support::columns::RayAt as _;
 use crate::support::{Random, host, host_with};
@@ -51,7 +50,7 @@ fn bits(camera: &Camera) -> Vec<u32> {
     bits
 }
 
-/// Builds cameras each from the previous one, and compares each with one built from scratch.
+/// Builds each camera from the previous one, and compares it with one built from scratch.
 fn compare(host: &Host, steps: &[Given<'_>]) {
     let mut donor: Option<Camera> = None;
     for given in steps {

@@ -1,7 +1,7 @@
 //! The library's stock cameras against rays of pbrt 1.05's stock plugins (`golden/stock_cameras.txt`), for camera
-//! transforms that only rotate, translate and mirror: the kinds of camera with the same bits as pbrt, and the
-//! differences of the others. Transforms that scale or shear change the direction's length in the stock cameras' rays,
-//! while ours are unit vectors.
+//! transforms that only rotate, translate and mirror: some kinds of camera have the same bits as pbrt, and the
+//! differences of the others are bounded. Transforms that scale or shear change the direction's length in pbrt's rays,
+//! while this library's directions are unit vectors.
 
 use std::{collections::BTreeMap, path::Path};
 
@@ -10,9 +10,10 @@ use ::realistic_camera::{Camera, CameraToWorld, Host, Outcome, Parameters, Raste
 /// The property that determines whether a camera has pbrt's bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Kind {
-    /// Perspective or orthographic, without a lens, and placed by a transform whose exact inverse pbrt has: same bits.
+    /// Perspective or orthographic, without a lens, and placed by a transform whose exact inverse pbrt has: the bits
+    /// are the same.
     Linear,
-    /// Environment, or with a lens: its rays depend on sines and cosines, which differ between C libraries.
+    /// Environment, or with a lens: the rays depend on sines and cosines, which differ between C libraries.
     Trigonometric,
     /// Placed by a matrix that pbrt inverts with rounding in the last row.
     Inverted,
@@ -61,7 +62,7 @@ fn build(line: &str, matrix: &[f32; 16], inverse: &[f32; 16]) -> Stock {
     let side = |text: &str| text.parse().expect("a resolution");
     let mut host = Host::new(Raster { xres: side(xres), yres: side(yres) }, None);
     let is_exact = matrix[12..] == [0.0, 0.0, 0.0, 1.0];
-    // For a rounded matrix, the pbrt interface inverts the inverse, in double precision.
+    // For a rounded matrix, the pbrt interface inverts the inverse in double precision.
     let inverted = CameraToWorld::from_rows(inverse).expect("affine").inverse_rows();
     let to_world = CameraToWorld::from_rows(if is_exact { matrix } else { &inverted });
     host.to_world = to_world.expect("affine").into();
@@ -78,7 +79,7 @@ fn build(line: &str, matrix: &[f32; 16], inverse: &[f32; 16]) -> Stock {
 fn the_stock_cameras_have_the_rays_of_pbrts_own() {
     let cameras = stock();
     assert_eq!(cameras.len(), 77);
-    // For each kind: cameras, rays, rays with other bits, and the largest difference.
+    // For each kind: the numbers of cameras, of rays and of rays with other bits, and the largest difference.
     let mut kinds: BTreeMap<Kind, (usize, usize, usize, f32)> = BTreeMap::new();
     for Stock { name, camera, kind, rays } in cameras {
         assert!(!rays.is_empty());

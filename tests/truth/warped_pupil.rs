@@ -108,7 +108,7 @@ fn densities_are_positive_up_to_the_last_film_point() {
         for height in (1..53).map(|bits| end * (1.0 - 0.5_f64.powi(bits))).chain([end.next_down()]) {
             for i in 0..33 {
                 let phi = TAU * f64::from(i) / 64.0;
-                // The end of the image is uncertain by rounding.
+                // Rounding makes the end of the image uncertain.
                 let Some(sample) = case.pupil.sample([height, 0.0], [phi.cos(), phi.sin()]) else { continue };
                 assert!(sample.area > 0.0 && sample.area.is_finite(), "{stop:?} at {height}: {sample:?}");
             }
@@ -141,11 +141,11 @@ fn weights_average_to_the_irradiance_found_by_brute_force() {
         let case = Case::of(name, None);
         let limit = 0.97 * case.lit_radius(CORNER);
         for i in 0..=8 {
-            // Both tabulated radii and others.
+            // The heights include tabulated radii and others.
             let height = limit * f64::from(i) / 8.0;
             let point = [-height, 0.0];
             let mean = case.expected_weight(point, 300);
-            // All light through the rear element, and more exactly the light near the map.
+            // The light is integrated over the whole rear element, and more exactly near the map.
             let whole = brute(&case, point, 200);
             let near = case.irradiance(point, case.surroundings(point), 300, 80);
             for (truth, error) in [(whole, 4e-3), (near, 1e-3)] {
@@ -169,7 +169,8 @@ fn weights_average_to_the_irradiance_found_by_brute_force() {
 
 #[test]
 fn the_variance_of_a_sample_is_that_of_the_exact_pupil() {
-    // Minimum shares of the exact pupil, sampled evenly: axis, half way to the corner, corner.
+    // Minimum shares of the exact pupil that are sampled evenly: on the axis, half way to the corner, and in the
+    // corner.
     let floors = [
         ("dgauss.50mm", [0.0011, 0.0040, 0.0048]),
         ("wide.22mm", [0.0003, 0.0088, 0.0090]),
@@ -200,7 +201,7 @@ fn the_map_s_density_is_its_jacobian() {
         let y = slope(at(0.0, step).slopes, at(0.0, -step).slopes);
         let jacobian = (x[0] * y[1] - x[1] * y[0]) * TAU / 2.0;
         let got = at(0.0, 0.0).area;
-        // The difference quotient at a knot includes both sides.
+        // At a knot, the difference quotient includes both sides.
         assert!((got / jacobian - 1.0).abs() < 1e-6 || on_knot(point, d), "{d:?}: {got} for {jacobian}");
     }
 }
@@ -243,7 +244,7 @@ fn for_fixed_lens_numbers_the_slope_is_continuous_over_the_film() {
     for name in LENSES {
         let case = Case::of(name, None);
         let end = case.pupil.image_radius().unwrap_or(REACH);
-        // Lines through the axis, close to it, and far from it; every table radius lies on them.
+        // Lines go through the axis, close to it, and far from it; every table radius lies on them.
         for offset in [0.0, 1e-9, 1e-3, 0.3, 5.0] {
             for [dx, dy] in [[1.0, 0.0], [0.6, 0.8], [-0.28, 0.96]] {
                 for disk in numbers {
@@ -252,7 +253,7 @@ fn for_fixed_lens_numbers_the_slope_is_continuous_over_the_film() {
                         case.pupil.sample(point, disk).expect("lit").slopes
                     };
                     let half = 0.9 * (end * end - offset * offset).sqrt();
-                    // The steepest change over a step is the same per mm for steps of a hundredth of the size: a jump
+                    // The steepest change over a step, per mm, is the same for steps of a hundredth of the size: a jump
                     // would make it a hundred times as large.
                     let steepest = |step: f64, start: &dyn Fn(i32) -> f64| {
                         (-600..=600)
@@ -321,7 +322,7 @@ fn nothing_is_sampled_beyond_the_image_circle() {
     }
     let mut before = f64::INFINITY;
     for height in [0.9, 0.96, 0.99, 0.999, 0.9999].map(|part| part * end) {
-        // Lines across the narrow side of the vignetted pupil.
+        // Lines run across the narrow side of the vignetted pupil.
         let point = [height, 0.0];
         let mean = case.expected_weight(point, 2000);
         let truth = case.irradiance(point, case.surroundings(point), 400, 1000);
@@ -334,8 +335,8 @@ fn nothing_is_sampled_beyond_the_image_circle() {
 
 #[test]
 fn a_pupil_in_two_pieces_is_named_and_unbiased() {
-    // A ball focuses rays near its edge so much closer than those near the axis that they cross the axis before the
-    // stop: the pupil is a disk with an annulus around it.
+    // A ball focuses rays near its edge so much more closely than rays near the axis that the outer rays cross the axis
+    // before the stop: the pupil is a disk with an annulus around it.
     let case = Case::with_film(&lens("0 60 0 6\n10 20 1.5 19\n-10 0 1 19\n"), 5.0);
     let edge = |from: f64, to: f64| {
         (0..400)
@@ -424,11 +425,12 @@ fn single_precision_samples_and_weighs_as_double_precision_does() {
             weights.push(f64::from(wa - wb).abs());
             sums = [sums[0] + f64::from(wa), sums[1] + f64::from(wb)];
         }
-        // Densities differ between cells, and some samples lie in one cell in one precision and in the next cell in the
-        // other.
+        // Densities differ between cells, and some samples lie in one cell in one precision and in a neighbouring cell
+        // in the other precision.
         weights.sort_by(f64::total_cmp);
         let weight = weights[weights.len() * 999 / 1000];
-        // Relative to the mean weight: near the edge of the image circle the pupil vanishes like a square root.
+        // The errors are relative to the mean weight: near the edge of the image circle the pupil vanishes like a
+        // square root.
         let (weight, bias) = (weight * f64::from(rays) / sums[1], (sums[0] / sums[1] - 1.0).abs());
         println!(
             "{name}: {rays} rays, {odd} odd, direction {direction:.1e}, weight {weight:.1e}, mean {bias:.1e}"
@@ -470,8 +472,8 @@ fn rear_and_warped_cameras_estimate_the_same() {
     }
 }
 
-/// Returns lenses with extreme rear surfaces: a hemisphere toward the film; an annulus of light with a speck in it;
-/// random ones.
+/// Returns lenses with extreme rear surfaces: a hemisphere toward the film; an annulus of light with a spot of light in
+/// it; and random ones.
 fn extreme_lenses() -> Vec<(String, f64, f64)> {
     let hemisphere = "-9.9737422869413361 2.0812484981620099 N-SF6 - 8.6950018138273037\n\
                       -3.9679327615756974 13.329931531600767 - - 7.9358655231513948\n";
@@ -537,7 +539,7 @@ fn weighting_assignment_is_the_literal_formula_of_the_disk() {
 
 #[test]
 fn weighting_assignment_of_another_pupil_is_another_exposure() {
-    // As docs/parameters.md states: the rear element's clear aperture is that much smaller than the exit pupil.
+    // As docs/parameters.md states, the rear element's clear aperture is smaller than the exit pupil by this factor.
     let [rear, warped] = ["rear", "warped"].map(|pupil| {
         let camera = camera("dgauss.50mm", pupil, "assignment");
         mean_weight(&camera, [150.0, 100.0], 300).0

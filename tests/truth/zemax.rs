@@ -1,5 +1,5 @@
-//! Zemax files with the meaning that their program gives them: small files with correct values from closed forms and
-//! from traces by hand, and the list of every statement's fate.
+//! Zemax files with the meaning that Zemax gives them: small files with correct values from closed forms and from
+//! traces by hand, and the list of every statement's fate.
 
 use realistic_optics::{
     imaging::moving::MovingGroups,
@@ -10,14 +10,14 @@ use realistic_optics::{
 
 use super::support::by_kernel;
 
-/// A biconvex lens of index 1.5, its stop the first surface, f = 50.675676 mm.
+/// A biconvex lens of index 1.5, whose stop is the first surface, with f = 50.675676 mm.
 const SINGLET: &str = "MODE SEQ\nUNIT MM X W X CM MR CPMM\nENPD 10\nFTYP 0 0 1 1 0 0 0\nXFLN 0\nYFLN 10\nWAVM 1 0.58756 1\nPWAV 1\n\
     SURF 0\n  TYPE STANDARD\n  CURV 0\n  DISZ INFINITY\n\
     SURF 1\n  STOP\n  TYPE STANDARD\n  CURV 0.02\n  DISZ 4\n  GLAS ___BLANK 1 0 1.5 0 0\n  DIAM 8 1\n\
     SURF 2\n  TYPE STANDARD\n  CURV -0.02\n  DISZ 48\n  DIAM 8 1\n\
     SURF 3\n  CURV 0\n  DISZ 0\n";
 
-/// Returns [`SINGLET`] with some of its texts replaced, each of which occurs once.
+/// Returns [`SINGLET`] with some of its texts replaced; each of these texts occurs once.
 fn with(changes: &[(&str, &str)]) -> String {
     changes.iter().fold(SINGLET.to_owned(), |text, (from, to)| {
         assert!(text.contains(from), "{from}");
@@ -59,8 +59,8 @@ fn fate<'a>(lens: &'a Prescription, statement: &str) -> (Fate, &'a [usize], &'a 
     (one.fate, &one.lines, &one.reason)
 }
 
-/// Traces a ray parallel to the axis at a height, through the last surface, by the walk and in lanes of two precisions;
-/// returns its crossings with the axis relative to the last vertex.
+/// Traces a ray that is parallel to the axis at a given height through the last surface, by the walk and in lanes of
+/// two precisions. Returns the ray's crossings with the axis relative to the last vertex.
 fn crossings(lens: &Prescription, height: f64) -> [f64; 3] {
     let lens = Lens::at_own_wavelength(lens);
     let ray = Ray { origin: [0.0, height, 40.0], direction: [0.0, 0.0, -1.0] };
@@ -82,13 +82,14 @@ fn cross_at(lens: &Prescription, height: f64, right: f64) {
     near(single, right, 2e-3);
 }
 
-/// Traces a meridional ray parallel to the axis at `height` through the singlet with the front figure z(r). It shares
-/// no code with the library: bisection for the hit, a difference for the slope, Snell's law by angles.
+/// Traces a meridional ray that is parallel to the axis at `height` through the singlet with the front figure z(r). It
+/// shares no code with the library: it uses bisection for the intersection, a difference for the slope, and Snell's law
+/// by angles.
 fn by_hand(front: impl Fn(f64) -> f64, height: f64) -> f64 {
     let z = front(height);
     let h = 1e-5;
     let normal = ((front(height + h) - front(height - h)) / (2.0 * h)).atan();
-    // Angles of the ray below the axis's direction.
+    // Angles of the ray are measured below the direction of the axis.
     let bend = normal - (normal.sin() / 1.5).asin();
     let rear = |r: f64| 4.0 - (50.0 - (2500.0 - r * r).sqrt());
     let (mut low, mut high) = (0.0, 20.0);
@@ -127,7 +128,7 @@ fn terms_to_the_thirtieth_power_are_read_as_the_file_counts() {
         let data = format!("TYPE XASPHERE\n  CURV 0.02\n  XDAT 1 {count} 0 0\n  XDAT 2 1 0 0\n  XDAT {term}");
         with(&[("ENPD 10", "ENPD 16"), ("TYPE STANDARD\n  CURV 0.02", &data)])
     };
-    // r^22 and r^30, of 0.5 and 0.02 mm at 7 mm.
+    // The terms r^22 and r^30 amount to 0.5 and 0.02 mm at 7 mm.
     for (term, power, size) in [("13 1e-19", 22, 1e-19), ("17 1e-27", 30, 1e-27)] {
         let right = by_hand(|r| sphere(r) + size * r.powi(power), 7.0);
         let [walked, double, single] = crossings(&lens(&extended(15, term)), 7.0);
@@ -145,7 +146,7 @@ fn terms_to_the_thirtieth_power_are_read_as_the_file_counts() {
         ("DIAM 8 1", "DIAM 10 1"),
     ]);
     near(optics(&lens(&sharp)).focal_length, 42.3012, 1e-4);
-    // One term is declared, and this is the second.
+    // Only one term is declared, and this is the second.
     let stale = lens(&extended(1, "4 1e-4"));
     assert_eq!(stale.interfaces[0].shape, Shape::Sphere { radius: 50.0 });
     assert!(
@@ -255,7 +256,7 @@ fn a_file_numbered_from_1_has_no_object() {
     near(optics(&read).focal_length, 33.495661, 1e-6);
     assert_eq!((read.interfaces.len(), read.nominal_film_distance), (4, Some(30.0)));
     assert!(read.remarks[0].contains("no surface 0, the object's"), "{:?}", read.remarks);
-    // No image surface; operands keep the file's numbers.
+    // There is no image surface; operands keep the file's numbers.
     let bare =
         lens(&format!("UNIT MM\nENPD 10\nWAVM 1 0.58756 1\n{surfaces}MNUM 2 1\nTHIC 2 1 5\nTHIC 2 2 6\n"));
     assert_eq!(bare.interfaces, read.interfaces);
@@ -281,7 +282,7 @@ fn every_operand_is_followed_or_named() {
         );
         assert_eq!(fate(&lens, key).0, Fate::LeftOut);
     }
-    // In a single configuration, it differs from the surface's own line.
+    // In a file with a single configuration, the operand's value differs from that in the surface's own line.
     let one = zoom("PAR2 1 2 5e-5 0 0\n");
     assert!(one.remarks[0].contains("operand PAR2 changes the lens"), "{:?}", one.remarks);
     let same = zoom("GLSS 1 1 X\nGLSS 1 2 X\nYFIE 1 1 10\nYFIE 1 2 5\nMOFF 0 1 \"\" 0\n");
@@ -311,7 +312,7 @@ fn spacing_is_free() {
     near(optics(&lens(&unindented)).focal_length, 50.675676, 1e-6);
     let zoom = "MNUM 2 1\nTHIC 2 1 48 0 0\nTHIC 2 2 50 0 0\n";
     assert_eq!(lens(&(unindented + zoom)).positions.expect("two").columns.len(), 2);
-    // The format of another program: a blank before each line, several behind SURF.
+    // The format of another program has a blank before each line, and several blanks after SURF.
     let spaced = SINGLET
         .replace("1 0 1.5 0 0", "1 0 1.6 60")
         .replace("DISZ 48", "DISZ 40")

@@ -1,6 +1,6 @@
-//! Benchmarks the realistic camera of the crate `rs_pbrt` (ported from pbrt-v3) against this library's: the same
-//! lens file, film, aperture, film distance and samples, in interleaved rounds of one run:
-//! `cargo run --release [LENS]`.
+//! Benchmarks the realistic camera of the crate `rs_pbrt` (ported from pbrt-v3) against this library's camera, with the
+//! same lens file, film, aperture, film distance and samples, in interleaved rounds of one run: `cargo run --release
+//! [LENS]`.
 
 #[path = "../../camera/c_camera.rs"]
 #[allow(dead_code, reason = "the cameras' bench uses the rest")]
@@ -34,7 +34,7 @@ use rs_pbrt::{
     filters::boxfilter::BoxFilter,
 };
 
-/// The catalogue's files, whose columns are those of pbrt.
+/// Lens files of the catalogue whose columns are those of pbrt.
 const LENSES: [(&str, &str); 4] = [
     ("dgauss.50mm", include_str!("../../../crates/optics/lenses/dgauss.50mm.dat")),
     ("wide.22mm", include_str!("../../../crates/optics/lenses/wide.22mm.dat")),
@@ -46,7 +46,7 @@ const ROUNDS: usize = 41;
 const RESOLUTION: i32 = 1000;
 /// Film diagonal, mm.
 const DIAGONAL: f32 = 35.0;
-/// An aperture wider than any stop, so that both cameras use the file's.
+/// An aperture wider than any stop, so that both cameras use the stop of the file.
 const WIDE_OPEN: f32 = 1e3;
 /// Distance from the focused plane to the film plane, m.
 const FOCUS_DISTANCE: f32 = 10.0;

@@ -17,8 +17,7 @@ impl<'a> Bytes<'a> {
         usize::from(self.take::<1>()[0]) % count
     }
 
-    /// Returns mostly NaN (not given); otherwise a number of ordinary size, an extreme one or any
-    /// bits.
+    /// Returns mostly NaN (not given); otherwise a number of ordinary size, an extreme number or any bits.
     pub fn number(&mut self) -> f64 {
         match self.choice(32) {
             0..26 => f64::NAN,
@@ -36,7 +35,7 @@ impl<'a> Bytes<'a> {
         }
     }
 
-    /// Returns up to `most` of the remaining bytes; their number precedes them.
+    /// Returns up to `most` of the remaining bytes; the data give their number before them.
     pub fn text(&mut self, most: usize) -> &'a [u8] {
         let length = usize::from(u16::from_le_bytes(self.take())) % (most + 1);
         let (text, rest) = self.0.split_at(length.min(self.0.len()));

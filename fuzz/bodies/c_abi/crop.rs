@@ -1,4 +1,4 @@
-//! A crop window: it is either refused or reported back, and it changes no ray.
+//! A crop window, which is either refused or reported back, and changes no ray.
 
 use std::ptr::null_mut;
 
@@ -30,7 +30,7 @@ pub fn check(full: &LiveCamera<'_>, singles: &[(realistic_ray, f32)], bytes: &mu
         return;
     }
     let mut info = no_info();
-    // SAFETY: a live camera, and a structure of its size.
+    // SAFETY: the camera is live; there is a structure of its size.
     assert_eq!(unsafe { realistic_camera_get_info(camera, &mut info) }, realistic_status::Ok);
     if is_inside {
         assert_eq!(info.crop.map(|pixel| pixel as usize), inside, "{options:?}");

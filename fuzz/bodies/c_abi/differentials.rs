@@ -1,4 +1,5 @@
-//! Rays with differentials: the bits of single rays one pixel to the right and below, one by one and in batches.
+//! Rays with differentials: their neighbours have the bits of single rays one pixel to the right and one below, one by
+//! one and in batches.
 
 use std::ptr::{null, null_mut};
 
@@ -21,9 +22,9 @@ fn mark(ray: realistic_ray) -> realistic_ray_differential {
     }
 }
 
-/// Checks rays with differentials, and panics with `what` if they differ from single calls, or a batch differs from
-/// calls one by one. With `may_differ`, a batch may use another tracer than single calls. `initial` is the initial
-/// content of a ray.
+/// Checks rays with differentials, and panics with `what` if they differ from the rays of single calls, or if a batch
+/// differs from calls one by one. With `may_differ`, a batch may use another tracer than single calls. `initial` is the
+/// initial content of a ray.
 pub fn check(
     camera: *const realistic_camera,
     samples: &[realistic_sample],
@@ -35,14 +36,14 @@ pub fn check(
 ) {
     let one = |(sample, single): (&realistic_sample, &(realistic_ray, f32))| {
         let mut ray = mark(initial);
-        // SAFETY: a live camera, sample and ray.
+        // SAFETY: the camera, the sample and the ray are live.
         let weight = unsafe { realistic_generate_ray_differential(camera, sample, null(), &mut ray) };
         assert!((ray.ray, weight) == *single, "{sample:?} {ray:?} {weight} {single:?} {what:?}");
         if weight == 0.0 {
             assert!(ray == mark(initial), "a blocked ray wrote to its place: {sample:?} {ray:?} {what:?}");
         } else {
             let alone = |at: &realistic_sample, ray: &mut realistic_ray| {
-                // SAFETY: a live camera, sample and ray.
+                // SAFETY: the camera, the sample and the ray are live.
                 unsafe { realistic_generate_ray(camera, at, null(), ray) }
             };
             neighbours(sample, &ray, alone, what);
@@ -53,7 +54,8 @@ pub fn check(
     batch(camera, samples, &found, initial, may_differ, bytes, what);
 }
 
-/// Returns the ray of a sample at a wavelength with differentials; panics with `what` if it differs from a single call.
+/// Returns the ray, with differentials, of a sample at a wavelength; panics with `what` if the ray differs from that of
+/// a single call.
 pub fn at_wavelength(
     camera: *const realistic_camera,
     sample: &realistic_sample,
@@ -63,7 +65,7 @@ pub fn at_wavelength(
     what: &dyn std::fmt::Debug,
 ) -> (realistic_ray_differential, f32) {
     let mut ray = mark(initial);
-    // SAFETY: a live camera, sample and ray.
+    // SAFETY: the camera, the sample and the ray are live.
     let weight = unsafe { differential_at(camera, sample, wavelength, &mut ray) };
     assert!((ray.ray, weight) == *single, "{sample:?} {wavelength} {ray:?} {weight} {single:?} {what:?}");
     if weight == 0.0 {
@@ -78,8 +80,8 @@ pub fn at_wavelength(
     (ray, weight)
 }
 
-/// Checks that the two neighbours of a passing ray are the rays that `alone` generates for their own samples, or the
-/// ray itself.
+/// Checks that each of the two neighbours of a passing ray is the ray that `alone` generates for the neighbour's own
+/// sample, or the passing ray itself.
 fn neighbours(
     sample: &realistic_sample,
     ray: &realistic_ray_differential,
@@ -94,7 +96,7 @@ fn neighbours(
         let mut single = ray.ray;
         let weight = alone(&at, &mut single);
         let has = ray.has & bit != 0;
-        // If the shutter is closed at a neighbour, the neighbour exists although its own ray is blocked.
+        // If the shutter is closed at a neighbour's time, the neighbour exists although its own ray is blocked.
         let is_right = match (has, weight > 0.0) {
             (true, true) => (o, d) == (single.o, single.d),
             (true, false) => {
@@ -122,7 +124,7 @@ fn batch(
     let step = stride.max(SIZE);
     let mut room = vec![0xA5_u8; offset + step * samples.len()];
     let mut weights = vec![-1.0; samples.len()];
-    // SAFETY: a live camera; arrays with room for the samples' number of elements, from the offset on.
+    // SAFETY: the camera is live, and the arrays have room for one element per sample, from the offset on.
     let status = unsafe {
         let rays = room.as_mut_ptr().add(offset);
         for i in 0..samples.len() {
@@ -142,7 +144,7 @@ fn batch(
     assert_eq!(status, realistic_status::Ok);
     for (i, expected) in found.iter().enumerate() {
         let slot = &room[offset + step * i..offset + step * (i + 1)];
-        // SAFETY: written above.
+        // SAFETY: the ray was written above.
         let ray = unsafe { slot.as_ptr().cast::<realistic_ray_differential>().read_unaligned() };
         assert!(may_differ || (ray, weights[i]) == *expected, "{i} {ray:?} {expected:?} {what:?}");
         assert!(slot[SIZE..].iter().all(|&byte| byte == 0xA5), "wrote between two rays");

@@ -12,7 +12,7 @@ const COUNT: usize = 13;
 
 type Columns<const C: usize> = [[f32; COUNT]; C];
 
-/// Checks importance, and panics with `what` if it is not sound, or is that of another ray.
+/// Checks importance, and panics with `what` if it is not sound or belongs to another ray.
 pub fn check(
     camera: *const realistic_camera,
     rays: &[(realistic_ray, f32)],
@@ -20,7 +20,7 @@ pub fn check(
     what: &dyn std::fmt::Debug,
 ) {
     let mut along: Columns<7> = array::from_fn(|_| array::from_fn(|_| 2.0 * bytes.float(100.0) - 100.0));
-    // Half of the rays, at most, are reversed rays of the camera.
+    // At most half of the rays are reversed rays of the camera.
     for (i, (ray, _)) in rays.iter().filter(|(_, weight)| *weight > 0.0).take(COUNT / 2).enumerate() {
         let realistic_ray { o: [ox, oy, oz], d: [dx, dy, dz], time, .. } = *ray;
         let numbers = [ox, oy, oz, -dx, -dy, -dz, time];
@@ -34,7 +34,7 @@ pub fn check(
         })
     });
     let (mut counted, mut toward, mut found) = ([[-7.0; COUNT]; 6], [[-7.0; COUNT]; 7], [[-7.0; COUNT]; 6]);
-    // SAFETY: a live camera, and columns of COUNT numbers.
+    // SAFETY: the camera is live, and the columns have COUNT numbers.
     let status =
         unsafe { realistic_camera_importance(camera, COUNT, &self::rays(&along), &room(&mut counted)) };
     if status == realistic_status::InvalidParameter {

@@ -1,4 +1,4 @@
-//! The lens of the options without a film: facts, exact rays in both directions, focus.
+//! The lens of the options without a film: its facts, exact rays in both directions, and its focus.
 
 use std::mem::zeroed;
 use std::ptr::{null, null_mut};
@@ -20,7 +20,7 @@ pub fn check(options: &realistic_options, bytes: &mut Bytes<'_>) {
         ..realistic_options::default()
     };
     let mut lens = null_mut();
-    // SAFETY: the options and all that they point to live during the call; so does `lens`.
+    // SAFETY: the options and all that they point to live during the call; so does the room for `lens`.
     let status = unsafe { realistic_lens_new(&of_lens, &mut lens) };
     assert_ne!(status, realistic_status::Panic, "{of_lens:?}");
     assert_eq!(status == realistic_status::Ok, !lens.is_null(), "{of_lens:?}");
@@ -38,7 +38,7 @@ pub fn check(options: &realistic_options, bytes: &mut Bytes<'_>) {
         film_tilt_y: f64::NAN,
     };
     let points: [f64; 9] = std::array::from_fn(|_| f64::from(bytes.float(2000.0)));
-    // SAFETY: a live lens, nine numbers and a structure of its size.
+    // SAFETY: the lens is live; there are nine numbers, and a structure of its size.
     let status = unsafe { realistic_lens_plane_of_focus(lens, points.as_ptr(), &mut film) };
     assert!(
         status != realistic_status::Ok || film.film_distance > 0.0 && film.film_tilt_x.is_finite(),
@@ -48,7 +48,7 @@ pub fn check(options: &realistic_options, bytes: &mut Bytes<'_>) {
     for distance in distances {
         for focus in [realistic_lens_focus, realistic_lens_focused_on] {
             let mut found = -7.0;
-            // SAFETY: a live lens, and room for the answer.
+            // SAFETY: the lens is live; there is room for the answer.
             let status = unsafe { focus(lens, distance, &mut found) };
             assert_ne!(status, realistic_status::Panic, "{distance} {of_lens:?}");
             let is_answer = found > 0.0 || found.is_nan();
@@ -68,7 +68,7 @@ fn facts(lens: *const realistic_lens, what: &dyn std::fmt::Debug) {
         unsafe { (zeroed(), zeroed()) };
     info.struct_size = size_of::<realistic_lens_info>() as u32;
     surface.struct_size = size_of::<realistic_lens_surface>() as u32;
-    // SAFETY: a live lens, and structures of their sizes.
+    // SAFETY: the lens is live, and the structures have their sizes.
     unsafe {
         assert_eq!(realistic_lens_get_info(lens, &mut info), realistic_status::Ok, "{what:?}");
         for number in 0..info.surfaces + 1 {
@@ -79,7 +79,7 @@ fn facts(lens: *const realistic_lens, what: &dyn std::fmt::Debug) {
     assert!(info.surfaces > 0 && info.limiting >= 0 && (info.limiting as u32) < info.surfaces, "{info:?}");
 }
 
-/// Checks that any ray either passes the lens as a valid ray, or is blocked with a reason.
+/// Checks that any ray passes the lens as a valid ray, or is blocked with a reason.
 fn rays(lens: *const realistic_lens, side: i32, bytes: &mut Bytes<'_>, what: &dyn std::fmt::Debug) {
     let mut arrays: [[f64; COUNT]; 6] = [[0.0; COUNT]; 6];
     for ray in 0..COUNT {
@@ -100,7 +100,7 @@ fn rays(lens: *const realistic_lens, side: i32, bytes: &mut Bytes<'_>, what: &dy
         reason: reasons.as_mut_ptr(),
         reason_stride: size_of::<realistic_reason>() as isize,
     };
-    // SAFETY: a live lens, and arrays of COUNT elements.
+    // SAFETY: the lens is live, and the arrays have COUNT elements.
     let status = unsafe { realistic_lens_trace(lens, side, COUNT, &lens_rays, null()) };
     assert_eq!(status, realistic_status::Ok, "{what:?}");
     for (ray, reason) in reasons.into_iter().enumerate() {

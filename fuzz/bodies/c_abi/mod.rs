@@ -1,5 +1,5 @@
-//! Any options give either a camera that returns sound rays by every kind of call, or an error with a message;
-//! nothing breaks.
+//! Any options give either a camera that returns sound rays for every kind of call, or an error with a message; nothing
+//! crashes.
 
 mod bytes;
 mod crop;
@@ -21,7 +21,7 @@ use self::inline::*;
 use super::contract;
 use realistic::ffi::*;
 
-/// More samples than the widest registers hold, and not a multiple of any width.
+/// A number of samples that exceeds the widest registers and is not a multiple of any width.
 const COUNT: usize = 37;
 
 /// Initial value of every ray, to detect rays that were not written.
@@ -118,7 +118,7 @@ impl LiveCamera<'_> {
     fn singles(&self) -> Vec<(realistic_ray, f32)> {
         let single = |sample: &realistic_sample| {
             let mut ray = MARK;
-            // SAFETY: a live camera, sample and ray.
+            // SAFETY: the camera, the sample and the ray are live.
             let weight = unsafe { realistic_generate_ray(self.camera, sample, null(), &mut ray) };
             if let Some(broken) = contract::broken(sample, &ray, weight, &MARK) {
                 panic!("{broken} {:?}", self.options);
@@ -142,7 +142,7 @@ impl LiveCamera<'_> {
         assert!((0..=6).contains(&reason) && (reason == 0) == (weight > 0.0), "{}", what());
     }
 
-    /// Generates rays in arrays of structures, with any stride, at any address.
+    /// Generates rays in arrays of structures with any stride and at any address.
     fn in_structures(&self, singles: &[(realistic_ray, f32)], bytes: &mut Bytes<'_>) {
         let sample_stride = [0, 20, 21, 24, 88][bytes.choice(5)];
         let ray_stride = [0, 36, 39, 64][bytes.choice(4)];
@@ -153,7 +153,7 @@ impl LiveCamera<'_> {
         let mut weights = [-1.0; COUNT];
         let mut reasons = [realistic_reason::Ok; COUNT];
         let with_reasons = bytes.choice(2) == 0;
-        // SAFETY: a live camera; arrays with room for COUNT elements of the strides, from the offset on.
+        // SAFETY: the camera is live, and the arrays have room for COUNT elements of the strides, from the offset on.
         let status = unsafe {
             let samples = sample_bytes.as_mut_ptr().add(offset);
             let rays = ray_bytes.as_mut_ptr().add(offset);
@@ -174,7 +174,7 @@ impl LiveCamera<'_> {
         };
         assert_eq!(status, realistic_status::Ok);
         for i in 0..COUNT {
-            // SAFETY: written above.
+            // SAFETY: the ray was written above.
             let ray =
                 unsafe { ray_bytes.as_ptr().add(offset + to * i).cast::<realistic_ray>().read_unaligned() };
             let without = if weights[i] > 0.0 { 0 } else { 1 };
@@ -185,7 +185,7 @@ impl LiveCamera<'_> {
         }
     }
 
-    /// Generates rays in structures of arrays, with and without the optional ones.
+    /// Generates rays in structures of arrays, with and without the optional arrays.
     fn in_arrays(&self, singles: &[(realistic_ray, f32)], bytes: &mut Bytes<'_>) {
         let of = |member: fn(&realistic_sample) -> f32| self.samples.iter().map(member).collect::<Vec<_>>();
         let arrays =
@@ -216,7 +216,7 @@ impl LiveCamera<'_> {
             time: Some(next()).filter(|_| is_given(2)).unwrap_or(null_mut()),
             reason: if is_given(3) { reasons.as_mut_ptr() } else { null_mut() },
         };
-        // SAFETY: a live camera, and arrays of COUNT elements.
+        // SAFETY: the camera is live, and the arrays have COUNT elements.
         let status = unsafe { realistic_camera_generate_rays_soa(self.camera, COUNT, &samples, &rays) };
         assert_eq!(status, realistic_status::Ok);
         for i in 0..COUNT {
@@ -255,7 +255,7 @@ fn autofocus(options: &realistic_options, bytes: &mut Bytes<'_>) {
         camera: *const realistic_camera,
         zone: *const realistic_zone,
     ) -> f64 {
-        // SAFETY: zone and camera live during the call, as does what `distance` uses.
+        // SAFETY: the zone, the camera and all that `distance` uses live during the call.
         unsafe {
             let mut ray = MARK;
             let middle = realistic_sample {

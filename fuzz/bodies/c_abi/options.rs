@@ -7,7 +7,7 @@ use std::ptr::null;
 use super::bytes::Bytes;
 use realistic::ffi::realistic_options;
 
-/// Returns one of the words, or in half of the cases null.
+/// Returns one of the words, or null in half of the cases.
 fn word(bytes: &mut Bytes<'_>, words: &[&'static CStr]) -> *const std::ffi::c_char {
     match bytes.choice(2 * words.len()) {
         i if i < words.len() => words[i].as_ptr(),
@@ -15,7 +15,7 @@ fn word(bytes: &mut Bytes<'_>, words: &[&'static CStr]) -> *const std::ffi::c_ch
     }
 }
 
-/// Decodes options; their lens text points into the data.
+/// Decodes options, whose lens text points into the data.
 pub fn options(bytes: &mut Bytes<'_>) -> realistic_options {
     let mut options = realistic_options {
         lens_file: word(

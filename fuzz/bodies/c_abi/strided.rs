@@ -1,4 +1,4 @@
-//! Batches between arrays of any strides: the bits of single calls, and nothing written outside the elements.
+//! Batches with arrays of any strides: they have the bits of single calls, and nothing is written outside the elements.
 
 use std::array;
 
@@ -8,7 +8,8 @@ use realistic::ffi::*;
 /// Initial content of output arrays.
 const BEFORE: f32 = -7.0;
 
-/// An array of `N` components per sample: interleaved, planar, or interleaved in reverse order; with gaps.
+/// An array of `N` components per sample, which may be interleaved, planar, or interleaved in reverse order, and has
+/// gaps.
 struct Strided<const N: usize> {
     floats: Vec<f32>,
     first: isize,
@@ -49,8 +50,8 @@ impl<const N: usize> Strided<N> {
         array::from_fn(|component| self.floats[self.index(i, component)])
     }
 
-    /// Returns the offsets of the first element's components from the beginning, in numbers, and the stride between
-    /// elements, in bytes.
+    /// Returns the offsets of the first element's components from the beginning of the array, counted in numbers, and
+    /// the stride between elements, in bytes.
     fn layout(&self) -> ([isize; 3], isize) {
         let offsets = [0, 1, 2].map(|k| self.first + k * self.component_stride);
         (offsets, self.stride * size_of::<f32>() as isize)
@@ -77,8 +78,8 @@ impl<const N: usize> Strided<N> {
 /// A ray, its weight, and its neighbours if they were requested: origin, direction and weight.
 pub type Found = ((realistic_ray, f32), Option<[([f32; 3], [f32; 3], f32); 2]>);
 
-/// Returns the rays of samples, each at its wavelength if there are any, through arrays whose layout depends on
-/// `bytes`. Blocked rays equal [`MARK`].
+/// Returns the rays of samples through arrays whose layout depends on `bytes`; if there are wavelengths, each sample
+/// has its own. Blocked rays equal [`MARK`].
 pub fn rays(
     camera: *const realistic_camera,
     samples: &[realistic_sample],
@@ -88,7 +89,7 @@ pub fn rays(
     found(camera, samples, wavelengths, false, bytes).into_iter().map(|(ray, _)| ray).collect()
 }
 
-/// Returns [`rays`] with neighbours, if they are requested.
+/// Returns the rays of [`rays`], with neighbours if they are requested.
 pub fn found(
     camera: *const realistic_camera,
     samples: &[realistic_sample],
@@ -137,7 +138,7 @@ pub fn found(
         ry_weight,
         ..realistic_request::default()
     };
-    // SAFETY: a live camera; arrays with room for `n` elements at these strides.
+    // SAFETY: the camera is live, and the arrays have room for `n` elements at these strides.
     let status = unsafe { realistic_camera_generate_batch(camera, n, &request) };
     assert_eq!(status, realistic_status::Ok);
     let found: Vec<_> = (0..n)
@@ -155,7 +156,7 @@ pub fn found(
             ((ray, weight), beside)
         })
         .collect();
-    // A ray has at most these numbers.
+    // No array of origins or directions has more numbers than this.
     let three = 3 * n;
     assert!(origin.written() <= three && direction.written() <= three, "wrote between two rays");
     assert!(

@@ -1,4 +1,4 @@
-//! Rays at wavelengths of their own: sound, and identical for every kind of call.
+//! Rays at wavelengths of their own, which must be sound and identical for every kind of call.
 
 use std::array;
 use std::ptr::null_mut;
@@ -7,8 +7,8 @@ use super::super::contract;
 use super::{MARK, bytes::Bytes, differentials, inline::*, strided};
 use realistic::ffi::*;
 
-/// Checks rays at any wavelengths, and panics with `what` if they are not sound, or differ between kinds of calls.
-/// With `may_differ`, a batch may use another tracer than single calls, as with a tolerance and no dispersion.
+/// Checks rays at any wavelengths, and panics with `what` if they are not sound or if kinds of calls give different
+/// rays. With `may_differ`, a batch may use another tracer than single calls, as with a tolerance and no dispersion.
 pub fn check(
     camera: *const realistic_camera,
     samples: &[realistic_sample],
@@ -19,7 +19,7 @@ pub fn check(
     let wavelengths: Vec<f32> = samples.iter().map(|_| 380.0 + bytes.float(400.0)).collect();
     let single = |(sample, &wavelength): (&realistic_sample, &f32)| {
         let mut ray = MARK;
-        // SAFETY: a live camera, sample and ray.
+        // SAFETY: the camera, the sample and the ray are live.
         let weight = unsafe { ray_at(camera, sample, wavelength, &mut ray) };
         if let Some(broken) = contract::broken(sample, &ray, weight, &MARK) {
             panic!("{broken} at {wavelength} nm {what:?}");
@@ -36,7 +36,7 @@ pub fn check(
         samples.chunks(4).zip(wavelengths.chunks_exact(4)).zip(singles.chunks(4))
     {
         let (mut rays, mut weights) = ([MARK; 4], [0.0; 4]);
-        // SAFETY: a live camera, and arrays of four.
+        // SAFETY: the camera is live, and the arrays have four elements.
         let first = unsafe {
             let (rays, weights) = (rays.as_mut_ptr(), weights.as_mut_ptr());
             hero_rays(camera, &samples[0], wavelengths.as_ptr(), rays, weights)
@@ -47,8 +47,8 @@ pub fn check(
     }
 }
 
-/// Checks neighbours at any wavelengths, and panics with `what` if they differ from single calls, one by one or in
-/// a batch.
+/// Checks rays' neighbours at any wavelengths, found by single calls with differentials and by a batch; panics with
+/// `what` if they differ from the rays of calls for one ray.
 pub fn beside(
     camera: *const realistic_camera,
     samples: &[realistic_sample],
@@ -60,7 +60,7 @@ pub fn beside(
     let by_strides = strided::found(camera, samples, Some(&wavelengths), true, bytes);
     for ((sample, wavelength), (_, beside)) in samples.iter().zip(&wavelengths).zip(by_strides) {
         let mut single = MARK;
-        // SAFETY: a live camera, sample and ray.
+        // SAFETY: the camera, the sample and the ray are live.
         let weight = unsafe { ray_at(camera, sample, *wavelength, &mut single) };
         let (ray, weight) =
             differentials::at_wavelength(camera, sample, *wavelength, &(single, weight), MARK, what);
@@ -81,7 +81,7 @@ fn in_structures(
 ) -> Vec<(realistic_ray, f32)> {
     let n = samples.len();
     let (mut rays, mut weights) = (vec![MARK; n], vec![0.0; n]);
-    // SAFETY: a live camera, and arrays of n elements.
+    // SAFETY: the camera is live, and the arrays have n elements.
     let status = unsafe {
         rays_at(
             camera,

@@ -4,11 +4,11 @@
 //! cargo run --release --example radiometry [LENS]
 //! ```
 //!
-//! The scene is a white wall: uniform radiance, 100 W/(m² sr) spread evenly over 400 to 700 nm, from
-//! all directions. On the axis the irradiance is then π L sin²u', u' being half the angle of the cone of light,
-//! and a lens that obeys the sine condition has sin u' = 1/(2N) when focused at infinity: E = π L/(4 N²).
-//! Off the axis it falls by the fourth power of the cosine and by vignetting. A grid of rays through the
-//! lens gives the vignetting, independent of the camera's own sampling.
+//! The scene is a white wall: uniform radiance, 100 W/(m² sr) spread evenly over 400 to 700 nm, from all directions. On
+//! the axis the irradiance is then π L sin²u', u' being half the angle of the cone of light, and a lens that obeys the
+//! sine condition has sin u' = 1/(2N) when focused at infinity: E = π L/(4 N²). Off the axis, the irradiance falls with
+//! the fourth power of the cosine and by vignetting. A grid of rays through the lens gives the vignetting, independent
+//! of the camera's own sampling.
 
 mod measurement;
 
@@ -33,7 +33,7 @@ const FILM_DIAGONAL: f64 = 35.0;
 const CENTER: [u32; 2] = [150, 100];
 /// Samples per pixel and band.
 const SAMPLES: u32 = 1 << 14;
-/// Rays across the grid that measures vignetting.
+/// Rays along a side of the square grid that measures vignetting.
 const GRID: u32 = 400;
 
 /// A measurement at one f-number.
@@ -63,8 +63,8 @@ pub struct FieldPoint {
     pub height: f64,
     /// Measured irradiance relative to that on the axis.
     pub measured: f64,
-    /// Relative irradiance from a grid of rays: the fourth power of the cosine, integrated over the
-    /// vignetted pupil.
+    /// Relative irradiance from a grid of rays: the integral of the fourth power of the cosine over the vignetted
+    /// pupil.
     pub computed: f64,
 }
 
@@ -144,8 +144,8 @@ pub fn against_field(lens: &str, fnumber: f64, count: u32) -> Result<Vec<FieldPo
     Ok((0..=count).map(field_point).collect())
 }
 
-/// Returns irradiance for unit radiance by film height, mm, from a grid of directions that contains every
-/// ray through the rear element.
+/// Returns the irradiance for unit radiance as a function of film height, mm, computed from a grid of directions that
+/// contains every ray through the rear element.
 fn vignetting(camera: &Camera) -> impl Fn(f64) -> f64 {
     let lens = camera.facts().expect("a lens").lens.clone();
     let path: Path = Path::film_to_scene(&lens);

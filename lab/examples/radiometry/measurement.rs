@@ -35,7 +35,7 @@ pub trait SensorResponse {
     fn response(&self, point: [f64; 2], wavelength: f64) -> f64;
 }
 
-/// A sensor of uniform response at every point and wavelength: R is in joules.
+/// A sensor with a response of 1 at every point and wavelength, so that R is in joules.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Energy;
 
@@ -45,7 +45,8 @@ impl SensorResponse for Energy {
     }
 }
 
-/// A response that is uniform over the film, as a table by wavelength: linear between its rows and 0 outside them.
+/// A response that is uniform over the film, given by a table over wavelength: linear between the rows and 0 outside
+/// them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResponseTable {
     rows: Vec<(f64, f64)>,
@@ -112,15 +113,15 @@ struct Band {
     camera: Camera,
 }
 
-/// Cameras ready to measure with: one for each band of wavelengths.
+/// Cameras for a measurement, one for each band of wavelengths.
 #[derive(Debug)]
 pub struct Measurement {
     bands: Vec<Band>,
 }
 
 impl Measurement {
-    /// Builds a camera of `parameters` for the middle of each of `bands` equal bands of wavelengths from `from` to `to`
-    /// nm; a `wavelength` among the parameters is replaced. `log` receives the first camera's warnings.
+    /// Builds a camera of `parameters` for the middle of each of `bands` equal bands of wavelengths between `from` and
+    /// `to` nm; a `wavelength` among the parameters is replaced. `log` receives the first camera's warnings.
     ///
     /// # Errors
     /// There are no bands, a camera cannot be built, or its weights are not irradiance.
@@ -242,7 +243,8 @@ mod tests {
             [("model", "thick"), ("fnumber", "8"), ("shutter_open", "1.25"), ("shutter_close", "1")];
         let backward = measurement(&backward, 1).expect("a camera");
         assert_eq!(backward.response([15, 10], 4096, &Energy, |_, _| 2.0), energy);
-        // On the axis of a thick lens focused at infinity, the exit pupil's edge has an angle of sine 1/(2 N).
+        // On the axis of a thick lens focused at infinity, a ray from the exit pupil's edge makes an angle with the
+        // axis whose sine is 1/(2 N).
         let disk = std::f64::consts::PI / 256.0;
         assert!((irradiance / (2.0 * 300.0 * disk) - 1.0).abs() < 2e-3, "{irradiance}");
         assert_eq!((band.wavelength, band.width), (550.0, 300.0));

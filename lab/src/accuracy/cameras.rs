@@ -1,4 +1,4 @@
-//! The cameras whose estimates are compared: every sampling of the pupil and of the unit disk.
+//! The cameras whose estimates are compared: one for every sampling of the pupil and every mapping to the unit disk.
 
 use crate::subject::FILM_DIAGONAL;
 use realistic_camera::{Camera, CameraError, Host, Parameters, Raster, Sample, sampling::DiskMapping};
@@ -18,7 +18,7 @@ pub struct Single {
 /// Builds a camera as a host would, for a lens of the catalogue focused at infinity.
 ///
 /// # Errors
-/// Those of [`Camera::build`].
+/// The errors of [`Camera::build`].
 pub fn camera(lens: &str, raster: Raster, given: Parameters) -> Result<Single, CameraError> {
     let parameters = Parameters {
         lens_file: Some(lens.to_owned()),

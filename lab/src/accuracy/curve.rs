@@ -1,4 +1,5 @@
-//! Error against run time of an estimator of light, by number of samples: measured points in, slope and bias out.
+//! Error of an estimator of light against its run time, at several numbers of samples: computes slope and bias from the
+//! measured points.
 
 use crate::results::statistics::log_slope;
 
@@ -36,8 +37,8 @@ impl Curve {
         self.points.iter().map(|p| (p.time, p.error)).collect()
     }
 
-    /// Returns the time, seconds, at which the error falls below `error` for good, by the power law between the points;
-    /// `None` if it does not.
+    /// Returns the time, seconds, from which the error stays below `error`, interpolated by a power law between the
+    /// points; `None` if the error does not stay below it.
     pub fn time_to(&self, error: f64) -> Option<f64> {
         let last_above = self.points.iter().rposition(|point| point.error > error);
         let Some(above) = last_above else {
@@ -88,7 +89,7 @@ mod tests {
         assert!((own.time_to(0.3535533905932738).expect("reached") - 8.0).abs() < 1e-9);
         assert_eq!(own.time_to(2.0), Some(1.0));
         assert_eq!(own.time_to(0.1), None);
-        // The time counts from where the curve stays below.
+        // The time is the one from which the curve stays below the error.
         assert!(curve(&[(1.0, 0.1), (2.0, 1.0), (4.0, 0.1)]).time_to(0.2).expect("reached") > 2.0);
     }
 

@@ -1,4 +1,4 @@
-//! Estimators of film irradiance in a uniform field of radiance 1: error against time.
+//! Error against time of estimators of film irradiance in a uniform field of radiance 1.
 
 use realistic_camera::{CameraError, Parameters, Sample, Value};
 use realistic_optics::imaging::irradiance::survey;
@@ -21,7 +21,7 @@ pub const NEEDS: [f64; 2] = [1e-2, 2e-3];
 /// Numbers of samples and repetitions of a measurement.
 #[derive(Clone, Copy, Debug)]
 pub struct SampleCounts {
-    /// Exponent of the largest number of samples, a power of 4.
+    /// Exponent k of the largest number of samples, 4^k.
     pub exponent: u32,
     /// Independent repetitions.
     pub repeats: u32,
@@ -59,7 +59,7 @@ fn estimate(camera: &Single, [image_x, image_y]: [f32; 2], points: &[[f32; 4]]) 
     sum / f64::from(count.max(1))
 }
 
-/// Measures every estimator on one lens, and some of them again with other random numbers.
+/// Measures every estimator on one lens, and some estimators a second time with other random numbers.
 ///
 /// # Errors
 /// A camera cannot be built.

@@ -1,5 +1,5 @@
-//! The time saved by leaving out what a tolerance permits: the same camera with everything kept, and with a tolerance,
-//! for which the planner may choose another model; times per ray, measured in turns.
+//! The time saved by the simplifications that a tolerance permits: times per ray of the same camera with everything
+//! kept and with a tolerance, for which the planner may choose another model. The two cameras are timed in turns.
 
 use realistic_camera::{
     Camera, CameraError, Host, Parameters, Precision,
@@ -28,23 +28,25 @@ pub const TOLERANCES: [f64; 3] = [1.0, 0.1, 0.01];
 pub struct Saving {
     /// The lens.
     pub lens: String,
-    /// Whether the stop is at f/8 ([`STOPPED_DOWN`]), else wide open.
+    /// Whether the stop is at f/8 ([`STOPPED_DOWN`]) rather than wide open.
     pub stopped_down: bool,
     /// The kind of call.
     pub entry: Entry,
     /// The precision or the tolerance requested.
     pub asked: Asked,
-    /// The model and precision that it traces with.
+    /// The model and the precision with which the camera traces.
     pub tracing: Tracing,
-    /// The plan's error estimate, a bound on the 99.9 % quantile, pixels; `None` if single precision was requested.
+    /// The plan's estimate of the 99.9 % quantile of the error, an upper bound, pixels; `None` if single precision was
+    /// requested.
     pub pixels: Option<f64>,
-    /// Time per ray with everything kept, seconds: in the precision requested, or in double precision for a tolerance.
+    /// Time per ray with everything kept, seconds: in the precision requested, or in double precision if a tolerance
+    /// was requested.
     pub kept: Timing,
     /// Time per ray of the camera that follows its plan.
     pub left_out: Timing,
     /// Repeated timing of the camera with everything kept, as another task of the same run.
     pub again: Timing,
-    /// Time to build the camera that follows its plan, and the one with everything kept, seconds.
+    /// Times, seconds, to build the camera that follows its plan and the camera with everything kept.
     pub build: [f64; 2],
 }
 
@@ -67,7 +69,8 @@ impl std::fmt::Display for Asked {
 }
 
 impl Saving {
-    /// Returns the share of the time saved, at the median and the quartiles, the least first; negative for a loss.
+    /// Returns the share of the time that is saved, at the lower quartile, the median and the upper quartile, the least
+    /// first; a negative share is a loss.
     pub fn share(&self) -> [f64; 3] {
         [self.left_out.high, self.left_out.median, self.left_out.low]
             .map(|time| 1.0 - time / self.kept.median)
@@ -98,7 +101,7 @@ fn camera(lens: &str, fnumber: Option<f64>, request: Asked, leave_out: bool) -> 
     Camera::build(&parameters, &host, &mut |_, _| {})
 }
 
-/// Builds of a camera; the reported time is their median.
+/// Number of builds of a camera; the median of their times is reported.
 const BUILDS: usize = 5;
 
 /// Measures both precisions and every tolerance on a lens, wide open and stopped down, in blocks and one by one.
@@ -110,8 +113,8 @@ pub fn measure(lens: &str, effort: Effort) -> Result<Vec<Saving>, CameraError> {
     let samples = samples(BLOCK, PIXELS, 0.5);
     let mut savings = Vec::new();
     for (stopped_down, fnumber) in [(false, None), (true, Some(STOPPED_DOWN))] {
-        // Cameras with everything kept are measured twice in either precision; the difference shows the uncertainty of
-        // a time.
+        // Cameras with everything kept are measured twice in each precision; the difference shows the uncertainty of a
+        // time.
         let references = [Precision::F64, Precision::F64, Precision::F32, Precision::F32].map(In);
         let requested = [Precision::F64, Precision::F32].map(In).into_iter().chain(TOLERANCES.map(Tolerance));
         let requests: Vec<(Asked, bool)> =

@@ -1,6 +1,6 @@
-//! Error against run time: rays by every method, polynomials and pupils by the size of their tables, film irradiance by
-//! every sampler, pictures by every source of rays, refraction by every formula, and the savings of plans; and a whole
-//! report in one run ([`suite`]).
+//! Error against run time, for rays traced by every method, polynomials and pupils with tables of several sizes, film
+//! irradiance estimated by every sampler, pictures rendered with every source of rays, and refraction by every formula;
+//! also the savings of plans, and a whole report in one run ([`suite`]).
 
 pub mod cameras;
 pub mod curve;

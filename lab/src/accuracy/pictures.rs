@@ -19,21 +19,23 @@ use realistic_camera::{CameraError, Raster};
 /// Errors relative to the mean at which renderers are compared.
 pub const NEEDS: [f64; 2] = [0.2, 0.1];
 
-/// Radiance of a scene along a ray in lens space, mm, in front of a lens of this focal length, mm.
+/// A function that returns the radiance of a scene along a ray in lens space, mm; the scene stands in front of a lens
+/// of the given focal length, mm.
 pub type Scene = fn(focal_length: f64, ray: &realistic_ray) -> f32;
 
 /// The size of a measurement.
 #[derive(Clone, Copy, Debug)]
 pub struct Size {
-    /// The scene; cheap, so that the camera's time is visible.
+    /// The scene, which is cheap to evaluate, so that the camera's time is visible.
     pub scene: Scene,
     /// Pixels of the picture.
     pub raster: Raster,
-    /// Exponent of the largest number of samples per pixel; they are the powers of 4 from 4^0 to this.
+    /// Exponent k of the largest number of samples per pixel; the numbers of samples are the powers of 4 from 4^0 to
+    /// 4^k.
     pub exponent: u32,
     /// Samples per pixel of each half of the reference.
     pub reference: usize,
-    /// Renders of each picture; the reported time is their median.
+    /// Number of renders of each picture; the median of their times is reported.
     pub repeats: u32,
 }
 
@@ -90,7 +92,7 @@ pub struct Pictures {
     pub renderers: Vec<Curve>,
     /// Repeats of one curve of either kind, with other random numbers.
     pub again: Vec<Curve>,
-    /// RMS error of the reference itself relative to its mean, from its two halves.
+    /// RMS error of the reference itself, relative to its mean, estimated from the reference's two halves.
     pub floor: f64,
 }
 
@@ -149,16 +151,16 @@ pub fn measure(subject: &Subject, size: Size) -> Result<Pictures, CameraError> {
 /// Renderers that are run twice.
 const AGAIN: [&str; 3] = ["blocks f32, warped", "f32, warped", "f64, warped"];
 
-/// Returns the earlier renderer that also requests rays in blocks and has exactly the same errors: the planner chose
-/// the exact trace, so both are one method.
+/// Returns the earlier renderer that also requests rays in blocks and has exactly the same errors. Its errors are the
+/// same because the planner chose the exact trace, so both renderers are one method.
 fn same_picture<'a>(before: &'a mut [Curve], name: &str, own: &Curve) -> Option<&'a mut Curve> {
     let errors = |curve: &Curve| curve.points.iter().map(|point| point.error.to_bits()).collect::<Vec<_>>();
     let in_blocks = |name: &str| name.starts_with("blocks");
     before.iter_mut().find(|first| in_blocks(name) && in_blocks(first.pupil) && errors(first) == errors(own))
 }
 
-/// Takes the geometric mean of the times of a curve measured twice, and keeps the second name, which states what is
-/// traced.
+/// Replaces the times of a curve that was measured twice by their geometric mean, and keeps the second name, which
+/// states what is traced.
 fn share_time(first: &mut Curve, own: &Curve) {
     first.pupil = own.pupil;
     for (point, other) in first.points.iter_mut().zip(&own.points) {
@@ -190,7 +192,7 @@ mod tests {
             same_picture(&mut before, "blocks f32, warped", &curve("blocks f32, warped", 0.1000001, 4.0))
                 .is_none()
         );
-        // The same rays one by one are another kind of call, with its own time.
+        // Requests for the same rays one by one are another kind of call, with its own time.
         assert!(
             same_picture(&mut before, "blocks f64, warped", &curve("blocks f64, warped", 0.2, 4.0)).is_none()
         );

@@ -1,5 +1,5 @@
-//! Set-up of the pupil: the cost of finding the open region by the size of the tables, and how well each table
-//! covers the true pupil, as areas of polygons in slope about the true pupil's centre.
+//! Set-up of the pupil: the cost of finding the open region with tables of several sizes, and how well each table
+//! covers the true pupil. The coverage is computed from areas of polygons in slope about the true pupil's centre.
 
 use realistic_camera::sampling::PupilDisk;
 use realistic_optics::lens::{film_ray, pupil::SlopeDisk};
@@ -18,22 +18,22 @@ use crate::{
 /// Numbers of film points and builds of a measurement.
 #[derive(Clone, Copy, Debug)]
 pub struct PupilCounts {
-    /// Film points, uniform over the film's disk.
+    /// Number of builds; the median of their times is reported.
     pub points: u32,
     /// Builds; the reported time is their median.
     pub repeats: usize,
 }
 
-/// A function from a film point to the edge, in slopes and counter-clockwise, of the region that is sampled there;
-/// empty where the film is taken for dark.
+/// A function that returns the edge of the region that is sampled at a film point, as slopes in counter-clockwise
+/// order; the edge is empty where the film is assumed to be dark.
 type Region = Box<dyn Fn([f64; 2]) -> Vec<[f64; 2]>>;
 
 /// A pupil ready to be sampled.
 struct Built {
     region: Region,
-    /// Film radii in its table.
+    /// Number of film radii in the pupil's table.
     radii: usize,
-    /// Rays traced to build it.
+    /// Number of rays traced to build the pupil.
     rays: usize,
 }
 
@@ -52,7 +52,7 @@ const PUPILS: [(&str, Build); 7] = [
     ("warped", warped),
 ];
 
-/// Points of a polygon.
+/// Number of vertices of a polygon.
 const EDGE: u32 = 720;
 
 fn unit_circle() -> impl Iterator<Item = [f64; 2]> {
@@ -76,11 +76,11 @@ fn warped(subject: &Subject) -> Built {
     Built { region: Box::new(region), radii: report.nodes, rays: report.rays as usize }
 }
 
-/// Rays across the rear disk for a box.
+/// Rays along a diameter of the rear disk, to find a box.
 const ACROSS: u32 = 64;
 
-/// Returns for each ring of the film the box, in slopes and on the +x axis, that contains the passing rays of a
-/// grid, widened by one grid cell.
+/// Returns, for each ring of the film, the box that contains the passing rays of a grid, widened by one grid cell. The
+/// box is in slopes, for film points on the +x axis.
 fn boxes(subject: &Subject, count: u32) -> Built {
     let reach = subject.film.reach();
     let at = |i: u32, n: u32| (f64::from(i) + 0.5) / f64::from(n);
@@ -90,7 +90,7 @@ fn boxes(subject: &Subject, count: u32) -> Built {
         let mut cell = 0.0;
         for i in 0..ACROSS * ACROSS {
             let (row, column) = (i / ACROSS, i % ACROSS);
-            // Rays come from every radius of the ring: multiples of the golden ratio spread them.
+            // Multiples of the golden ratio spread the rays' film points over all radii of the ring.
             let share = (f64::from(i) * 0.618_033_988_749_894_9).fract();
             let point = [reach * (f64::from(ring) + share) / f64::from(count), 0.0];
             let cover = subject.rear.seen_from(point);
@@ -118,11 +118,11 @@ pub struct Coverage {
     pub lens: String,
     /// The pupil's name.
     pub name: &'static str,
-    /// Film radii in its table.
+    /// Number of film radii in the pupil's table.
     pub radii: usize,
-    /// Rays traced to build it.
+    /// Number of rays traced to build the pupil.
     pub rays: usize,
-    /// Time to build it, seconds.
+    /// Time to build the pupil, seconds.
     pub time: f64,
     /// Share of the true pupil that no sample reaches.
     pub missed: f64,
@@ -146,7 +146,7 @@ pub fn measure(subject: &Subject, counts: PupilCounts) -> Vec<Coverage> {
         .map(|&(name, build)| {
             // The first build warms up the caches.
             let (built, times) = repeated(counts.repeats + 1, || build(subject));
-            // Sums of squared radii: areas up to a common factor.
+            // Sums of squared radii, which are areas up to a common factor.
             let (mut whole, mut sampled, mut missed, mut excess) = (0.0, 0.0, 0.0, 0.0);
             for (point, truth) in &truths {
                 let edge = (built.region)(*point);
@@ -173,7 +173,8 @@ pub fn measure(subject: &Subject, counts: PupilCounts) -> Vec<Coverage> {
         .collect()
 }
 
-/// Returns the distance, in units of `direction`, from `from` to the exit from the polygon; 0 if the ray misses it.
+/// Returns the distance, in units of `direction`, from `from` to the point at which the ray leaves the polygon; 0 if
+/// the ray misses the polygon.
 fn distance_to(polygon: &[[f64; 2]], from: [f64; 2], direction: [f64; 2]) -> f64 {
     let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
     let next = polygon.iter().cycle().skip(1);

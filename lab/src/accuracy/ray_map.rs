@@ -24,11 +24,11 @@ pub struct RayErrors {
     pub time: Timing,
     /// Repeated timing of the same method, as another task of the same run.
     pub again: Timing,
-    /// Angle to the exact direction, rad, over the rays that pass both for the method and in truth.
+    /// Angle to the exact direction, rad, over the rays that both the method and the reference pass.
     pub direction: Spread,
     /// Distance of the exact point on the front surface from the ray, mm.
     pub position: Spread,
-    /// Distance on film between the point that the ray images and its own film point, pixels: see
+    /// Distance on film, pixels, between the ray's own film point and the film point that the method's ray images: see
     /// [`ImageScale`](realistic_trace::image_scale::ImageScale).
     pub pixels: Spread,
     /// Samples tested.
@@ -45,7 +45,8 @@ impl RayErrors {
         (self.lost + self.leaked) as f64 / self.samples as f64
     }
 
-    /// Whether `other` has exactly the same errors: the same rays, by other instructions or other calls.
+    /// Whether `other` has exactly the same errors, because it traces the same rays by other instructions or other
+    /// calls.
     pub fn is_equal(&self, other: &Self) -> bool {
         let errors = |m: &Self| {
             let spreads = [m.direction, m.position, m.pixels];
@@ -68,8 +69,8 @@ pub struct RayCounts {
 }
 
 /// Measures errors and times of every method on one lens. Without `with_walks` it skips the slow walks, except the
-/// exact one, which all times are relative to. The samples are those of a camera, including blocked ones, with the
-/// apertures that block them.
+/// exact walk, to which all times are relative. The samples are a camera's, including blocked ones; polynomials test
+/// the apertures that block them.
 pub fn measure(subject: &Subject, counts: RayCounts, with_walks: bool) -> Vec<RayErrors> {
     let samples = CameraSamples::of_warped(subject);
     let rays = samples.rays(counts.rays, 1);
@@ -114,14 +115,14 @@ pub fn measure(subject: &Subject, counts: RayCounts, with_walks: bool) -> Vec<Ra
     methods.into_iter().zip(first.iter().zip(second)).map(errors).collect()
 }
 
-/// Returns the results as a table named `name`, which marks the Pareto front by time and the 99.9 % quantile of the
-/// direction error: no method on it is beaten in both by more than a tie.
+/// Returns the results as a table named `name`. The table marks the Pareto front of time and the 99.9 % quantile of the
+/// direction error: the methods that no other method beats in both by more than a tie.
 pub fn table(name: &'static str, results: &[RayErrors], tie: f64) -> Table {
     table_of(name, results.iter().map(|m| (m.method.name.to_owned(), m)), results, tie)
 }
 
-/// Returns the table with one row for all methods that have exactly the same errors and the same kind of call: the
-/// fastest, whose name lists the times of the others.
+/// Returns the table in which all methods with exactly the same errors and the same kind of call share one row: the row
+/// of the fastest, whose name lists the times of the others.
 pub fn summary(name: &'static str, results: &[RayErrors], tie: f64) -> Table {
     let in_batches = |m: &RayErrors| m.method.family().in_batches();
     let same = |a: &RayErrors, b: &RayErrors| in_batches(a) == in_batches(b) && a.is_equal(b);

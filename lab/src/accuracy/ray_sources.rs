@@ -1,5 +1,5 @@
-//! Sources of camera rays, compared by the pictures rendered with them: cameras of the library, and models of a
-//! lens with a sampled pupil.
+//! Sources of camera rays, which are compared by the pictures rendered with them: cameras of the library, and models of
+//! a lens with a sampled pupil.
 
 use crate::columns::{RayColumns, SampleColumns};
 use crate::{
@@ -98,7 +98,7 @@ fn each(shoot: impl Fn(&Sample) -> Option<Shot> + 'static) -> Source {
     })
 }
 
-/// A function from a film point and a lens sample to a pupil sample of a model.
+/// A function that maps a film point and a lens sample to a pupil sample of a model.
 type PupilSampler = Box<dyn Fn([f64; 2], [f64; 2]) -> Option<PupilSample>>;
 
 /// Returns the thick lens's exit pupil.
@@ -113,7 +113,7 @@ fn warped(subject: &Subject) -> PupilSampler {
     Box::new(move |film, unit| pupil.sample(film, unit))
 }
 
-/// Combines a model of the lens, from film point and slopes to a ray, with a pupil.
+/// Combines a pupil with a model of the lens, which maps a film point and slopes to a ray.
 fn modelled(
     raster: Raster,
     pupil: PupilSampler,

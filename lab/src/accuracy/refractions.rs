@@ -1,5 +1,5 @@
-//! Comparison of the refraction formulas: the number of operations, counted by evaluating each on a counting
-//! type, the run time, and the error against the reference.
+//! Comparison of the refraction formulas by the number of operations, counted by evaluating each formula on a counting
+//! type; by the run time; and by the error against the reference.
 
 use std::cell::Cell;
 use std::hint::black_box;
@@ -166,8 +166,8 @@ pub struct Errors {
 /// Incidences in the error statistics.
 const INCIDENCES: usize = 4000;
 
-/// Returns the errors of a method in `R` against the same refraction in double-double numbers: angles of
-/// incidence up to 60 degrees and short of total reflection, indices from 1 to 2.
+/// Returns the errors of a method in number type `R`, relative to the same refraction in double-double numbers. The
+/// angles of incidence are at most 60 degrees and short of total reflection; the indices are from 1 to 2.
 pub fn errors<R: Real>(method: Refraction) -> Errors {
     let errors: Vec<f64> = incidences()
         .map(|incidence| {
@@ -206,13 +206,13 @@ fn incidences() -> impl Iterator<Item = Incidence<f64>> {
 /// Refractions in a chain, in which each starts from the result of the previous one.
 const CHAIN: u32 = 64;
 
-/// Returns the latency of one refraction in double precision, seconds, when each waits for the previous one; in
-/// the order of [`Refraction::NAMES`].
+/// Returns the latency of one refraction in double precision, seconds, when each refraction waits for the previous one;
+/// the methods are in the order of [`Refraction::NAMES`].
 pub fn times(effort: Effort) -> Vec<f64> {
     let chain = |method: Refraction| {
         move || {
             let mut there = black_box(EXAMPLE);
-            // The return path, from the other side of the surface, so that the chain can go on indefinitely.
+            // The ray returns from the other side of the surface, so that the chain can go on indefinitely.
             let back = Incidence { n: there.n_after, n_after: there.n, ..there };
             let steps = [there.index_step(), back.index_step()];
             there.direction = there.start(method);
@@ -234,7 +234,7 @@ mod tests {
 
     #[test]
     fn the_counts_are_those_of_the_published_comparison() {
-        // Square roots, divisions, multiplications, additions: the table of the lecture.
+        // Square roots, divisions, multiplications and additions, as in the lecture's table.
         for (method, expected) in [
             (Refraction::Whitted, [2, 8, 17, 15]),
             (Refraction::Heckbert, [1, 1, 13, 8]),

@@ -1,4 +1,4 @@
-//! Set-up: the cost of fitting polynomials to a lens by number of rays, and their accuracy.
+//! Set-up: the cost of fitting polynomials to a lens, and the polynomials' accuracy, for several numbers of rays.
 
 use realistic_optics::trace::{Direction, Ray};
 use realistic_trace::{
@@ -21,7 +21,7 @@ use crate::{
 pub struct FitCounts {
     /// Rays whose errors are measured.
     pub rays: usize,
-    /// Builds; the reported time is their median.
+    /// Number of builds; the median of their times is reported.
     pub repeats: usize,
 }
 
@@ -42,13 +42,13 @@ pub struct Fit {
     pub rays: usize,
     /// Coefficients that the fit keeps.
     pub coefficients: usize,
-    /// Time to build them, seconds.
+    /// Time to build the polynomials, seconds.
     pub time: f64,
     /// Angle to the exact direction on fresh rays, rad.
     pub direction: Spread,
 }
 
-/// Measures every order and number of rays on one lens, if there are enough rays to determine the
+/// Measures fits of every order to every number of rays on one lens, where the rays suffice to determine the
 /// coefficients.
 pub fn measure(subject: &Subject, counts: FitCounts) -> Vec<Fit> {
     let reference = Reference::new(&subject.lens, Direction::FilmToScene);

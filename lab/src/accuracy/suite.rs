@@ -50,7 +50,7 @@ pub struct Suite {
 }
 
 impl Suite {
-    /// Returns the extent for published figures, which takes minutes. The pictures are of `scene`.
+    /// Returns the extent of a run for published figures, which takes minutes. The pictures show `scene`.
     pub fn full(scene: pictures::Scene) -> Self {
         let effort = Effort { rounds: 31, least: Duration::from_millis(3) };
         let raster = Raster { xres: 72, yres: 48 };
@@ -65,7 +65,7 @@ impl Suite {
         }
     }
 
-    /// Returns the extent of a quick run, under a minute. The pictures are of `scene`.
+    /// Returns the extent of a quick run, which takes less than a minute. The pictures show `scene`.
     pub fn quick(scene: pictures::Scene) -> Self {
         let effort = Effort { rounds: 7, least: Duration::from_micros(400) };
         let raster = Raster { xres: 36, yres: 24 };
@@ -197,8 +197,8 @@ impl Results {
         ]
     }
 
-    /// Returns the ratios below which two results are a tie: the differences between two measurements of the same
-    /// method in this run.
+    /// Returns the ratios below which two results are a tie; they follow from the differences between two measurements
+    /// of the same method in this run.
     pub fn ties(&self) -> Ties {
         let ratio = |a: f64, b: f64| (a / b).max(b / a);
         let rays = self.ray_map.iter().chain(&self.stopped_down);
@@ -217,7 +217,7 @@ impl Results {
         }
     }
 
-    /// Returns the stability cases by group: the worst of each tracer.
+    /// Returns the stability results by group: for each tracer, the worst of the group's cases.
     pub fn stability_by_group(&self) -> Vec<CaseResult> {
         let mut groups: Vec<CaseResult> = Vec::new();
         for case in &self.stability {
@@ -229,7 +229,8 @@ impl Results {
         groups
     }
 
-    /// Returns the stability table by group, with one row for tracers that return the same bits, under all their names.
+    /// Returns the stability table by group, in which tracers that return the same bits share one row, under all their
+    /// names.
     pub fn stability_summary(&self) -> Table {
         let mut rows: Vec<(String, CaseResult)> = Vec::new();
         for group in self.stability_by_group() {
@@ -261,10 +262,11 @@ pub struct Ties {
 /// A threshold, and the number of repeated measurements behind it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tie {
-    /// The quantile `share` of the ratios between repeated measurements; infinite, so that everything is a tie, if
-    /// there are none.
+    /// Quantile of the ratios between repeated measurements, at the probability `share`; infinite if there are no
+    /// repeated measurements, so that everything is a tie.
     pub ratio: f64,
-    /// The quantile. It is lower for light than for times, since an estimate occasionally reaches an error by luck.
+    /// Probability of the quantile. It is lower for light than for times, since an estimate occasionally reaches an
+    /// error by luck.
     pub share: f64,
     /// Number of repeated measurements.
     pub pairs: usize,

@@ -1,5 +1,5 @@
-//! The effect of a tracing method on vignetting: film irradiance by samples of the rear element's disk, whose rays the
-//! method passes or blocks, compared with the exact ray.
+//! The effect of a tracing method on vignetting. Film irradiance is computed from samples of the rear element's disk,
+//! whose rays the method passes or blocks, and compared with the irradiance from the exact rays.
 
 use realistic_optics::{
     lens::cos4,
@@ -25,8 +25,8 @@ pub struct Vignetting {
     pub lens: String,
     /// The method.
     pub method: Method,
-    /// Whether polynomials include the apertures that block rays; always true of exact methods, never of first-order
-    /// optics.
+    /// Whether the method tests the apertures that block rays: both for polynomials, always true for exact methods, and
+    /// always false for first-order optics.
     pub apertures: bool,
     /// Time per sample, passed or blocked, seconds.
     pub time: Timing,

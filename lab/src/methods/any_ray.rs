@@ -1,5 +1,6 @@
-//! Methods for rays of any origin: from a lens and a direction of travel to a tracer, which returns for each ray in
-//! lens space the ray that leaves the lens, or the ray at the point where it is blocked and the reason.
+//! Methods for rays of any origin. A method prepares a lens and a direction of travel as a tracer. For each ray in lens
+//! space, the tracer returns the ray that leaves the lens; or, if the ray is blocked, the ray at the point where it is
+//! blocked, and the reason.
 
 use realistic_base::numeric::unit;
 use realistic_optics::{
@@ -24,8 +25,8 @@ pub trait Tracer: Send + Sync {
     }
 }
 
-/// Prepares a lens for a method; `None` if the processor lacks the instructions, or if the method traces rays from a
-/// film only.
+/// Prepares a lens for a method; `None` if the processor lacks the instructions, or if the method traces only rays from
+/// a film.
 ///
 /// # Errors
 /// The method is first-order optics and the lens has no focal length.
@@ -115,7 +116,8 @@ impl<S: KernelScalar + Real + Send + Sync> Tracer for Compiled<S> {
     }
 }
 
-/// First-order optics, without apertures: the ray's origin is its point on the vertex plane that it leaves through.
+/// First-order optics, without apertures. The origin of the ray returned is its point on the vertex plane through which
+/// it leaves the lens.
 struct Thick {
     optics: FirstOrder,
     direction: Direction,
@@ -131,7 +133,8 @@ impl Tracer for Thick {
         if !(travel_sign * ray.direction[2] > 0.0) {
             return (input, Some(Blocked::TurnedBack));
         }
-        // Only coordinates that are too large or too oblique for a double are not finite here.
+        // Rays are not finite here only if their coordinates are too large, or their directions too oblique, for a
+        // double.
         let finite = out.origin.iter().chain(&out.direction).all(|number| number.is_finite());
         if finite { (out, None) } else { (input, Some(Blocked::Missed)) }
     }

@@ -1,5 +1,5 @@
-//! Methods applied to a block of rays of a [`Subject`], which each method holds in its own form: prepared once, and run
-//! as often as the timing needs.
+//! Methods applied to a block of rays of a [`Subject`]. Each method holds the block in its own form; it is prepared
+//! once, and runs as often as the timing needs.
 
 use realistic_optics::{
     lens::{first_order::FirstOrder, refraction::Refraction},
@@ -31,7 +31,7 @@ pub trait Runner {
 pub type Prepared = Option<Box<dyn Runner>>;
 
 /// Prepares a method for a block of rays. Polynomials test the given apertures, numbered from the scene; first-order
-/// optics tests none.
+/// optics tests no apertures.
 pub fn prepare(method: &Method, subject: &Subject, apertures: &[usize], rays: &[Ray]) -> Prepared {
     match (method.number, method.algorithm) {
         (Number::F32, algorithm) => prepare_in::<f32>(algorithm, subject, apertures, rays),
@@ -63,7 +63,7 @@ fn prepare_in<S: KernelScalar + Real + 'static>(
     }
 }
 
-/// A map of `N` rays at once, applied to a block: from the method's input form to its output form.
+/// A function that maps `N` rays at once from the method's input form to its output form, applied to a block.
 struct Groups<const N: usize, I, O, F> {
     map: F,
     rays: Vec<[I; N]>,

@@ -20,13 +20,13 @@ pub enum Number {
 pub enum Algorithm {
     /// Traces surface by surface.
     Walk(Refraction),
-    /// Thin lens: both principal planes coincide with the rear one.
+    /// Thin lens: both principal planes are placed at the rear principal plane.
     ThinLens,
     /// Thick lens, from principal plane to principal plane.
     ThickLens,
-    /// A polynomial of an order, one ray at a time.
+    /// A polynomial of the given order, one ray at a time.
     Polynomial(usize),
-    /// A polynomial of an order, many rays at once.
+    /// A polynomial of the given order, many rays at once.
     PolynomialBatch(usize),
     /// The compiled kernel, one ray at a time, as in a camera.
     One,
@@ -105,7 +105,7 @@ impl Method {
         }
     }
 
-    /// Returns the methods that `trace` offers, each with its name and a one-line description; the default first.
+    /// Returns the methods that `trace` offers, the default first, each with its name and a one-line description.
     pub fn offered() -> impl Iterator<Item = (&'static str, &'static str, &'static Self)> {
         METHODS.iter().filter_map(|method| method.option.map(|(name, help)| (name, help, method)))
     }
@@ -144,7 +144,7 @@ const THICK: &str = "the thick lens: from principal plane to principal plane, wi
                      the ray leaves the vertex plane";
 const THIN: &str = "as thick, with both principal planes where the film's side has its own (P')";
 
-/// Every method; the first is the exact walk, which all times are relative to.
+/// Every method; the first is the exact walk, to which all times are relative.
 pub const METHODS: &[Method] = {
     use Algorithm::{
         Anywhere, Batch, One, Polynomial, PolynomialBatch, ThickLens, ThinLens, Three, Walk, Widest,

@@ -10,7 +10,7 @@ use statrs::distribution::{self, ContinuousCDF};
 pub struct ChiSquared {
     /// Σ (found - expected)²/expected over cells of equal area.
     pub statistic: f64,
-    /// Number of cells less one.
+    /// Number of cells minus one.
     pub degrees_of_freedom: u32,
     /// Share of uniform point sets whose statistic is larger. Near 0, the points are not uniform; near
     /// 1, they are more even than independent points.
@@ -43,9 +43,9 @@ fn p_value(degrees_of_freedom: f64, statistic: f64) -> f64 {
     distribution::ChiSquared::new(degrees_of_freedom).expect("more than none").sf(statistic)
 }
 
-/// The difference between the share of the points on one side of a straight edge and the share of the
-/// disk there. It determines how well a defocused edge of the scene is rendered (D. Dobkin and D.
-/// Mitchell, "Random-Edge Discrepancy of Supersampling Patterns", Graphics Interface 1993).
+/// The difference between the share of the points on one side of a straight edge and the share of the disk on that
+/// side. This difference determines how well a defocused edge of the scene is rendered (D. Dobkin and D. Mitchell,
+/// "Random-Edge Discrepancy of Supersampling Patterns", Graphics Interface 1993).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgeDiscrepancy {
     /// Root mean square over edges: the L2 discrepancy.
@@ -55,9 +55,8 @@ pub struct EdgeDiscrepancy {
 }
 
 impl EdgeDiscrepancy {
-    /// Computes the discrepancy over edges of 180 directions: the exact maximum of each direction, and
-    /// the mean over 256 positions of the edge, evenly spaced across the disk's diameter. `points` is
-    /// not empty.
+    /// Computes the discrepancy over edges of 180 directions. The maximum is exact for each direction; the mean is
+    /// taken over 256 positions of the edge, evenly spaced across the disk's diameter. `points` is not empty.
     pub fn of(points: &[[f64; 2]]) -> Self {
         const DIRECTIONS: u32 = 180;
         const POSITIONS: u32 = 256;

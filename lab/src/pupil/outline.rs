@@ -1,8 +1,8 @@
-//! The outline of the true pupil of a film point: the slopes that pass the lens.
+//! The outline of the true pupil of a film point: the slopes of the rays that pass the lens.
 //!
-//! A grid of rays finds the open region, its centroid and its components; from the centroid the edge is found along
-//! equally spaced directions, each to the last bit. The true pupil is an intersection of warped disks and usually
-//! star-shaped about its centroid; otherwise the outline is the outermost edge, and a flag reports this.
+//! A grid of rays finds the open region, its centroid and its components. From the centroid, the edge is then found
+//! along equally spaced directions, to the last bit. The true pupil is an intersection of warped disks and usually
+//! star-shaped about its centroid; if it is not, the outline is the outermost edge, and a flag reports this.
 
 use std::f64::consts::{PI, TAU};
 
@@ -20,24 +20,24 @@ pub struct Outline {
     pub pieces: usize,
     /// Whether every direction from the centroid leaves the region exactly once.
     pub star_shaped: bool,
-    /// Area in slope.
+    /// Area in the plane of slopes.
     pub slope_area: f64,
     /// Film irradiance for unit radiance, ∫ cos⁴ d(slope)² over the region.
     pub irradiance: f64,
 }
 
-/// Cells across the disk in the first search.
+/// Cells along the disk's diameter in the first search.
 const GRID: usize = 192;
 /// Steps along a direction in the search for several edges.
 const STEPS: u32 = 96;
 
-/// Bisections of a step along a direction: to the last bit of the edge.
+/// Bisections of a step along a direction, which find the edge to the last bit.
 const HALVINGS: u32 = 52;
 
 impl Outline {
-    /// Finds the pupil of the film point `point` on film at `film` (z in lens space), which lies in `cover`, with
-    /// `directions` (3 or more) points of its edge. `kernel` traces from the film to the scene. `None` if no ray
-    /// passes.
+    /// Finds the pupil of the film point `point` on film at `film` (z in lens space). The pupil lies in `cover`;
+    /// `directions` (3 or more) is the number of points found on its edge. `kernel` traces from the film to the scene.
+    /// Returns `None` if no ray passes.
     pub fn of(
         kernel: &Kernel<f64>,
         film: f64,
@@ -103,8 +103,8 @@ impl Outline {
     }
 }
 
-/// Integrates area and irradiance of a star-shaped region: the trapezoidal rule in angle, Simpson's rule along each
-/// radius.
+/// Integrates area and irradiance of a star-shaped region, by the trapezoidal rule in angle and Simpson's rule along
+/// each radius.
 fn integrals(center: [f64; 2], radii: &[f64]) -> (f64, f64) {
     const PARTS: u32 = 64;
     let step = TAU / radii.len() as f64;
@@ -122,7 +122,7 @@ fn integrals(center: [f64; 2], radii: &[f64]) -> (f64, f64) {
     (area, irradiance)
 }
 
-/// Returns the distance from `from`, in the disk, to its edge in the unit `direction`.
+/// Returns the distance from `from`, a point in the disk, to the disk's edge in the unit direction `direction`.
 fn chord(disk: SlopeDisk, from: [f64; 2], direction: [f64; 2]) -> f64 {
     let [x, y] = [from[0] - disk.center[0], from[1] - disk.center[1]];
     let along = x * direction[0] + y * direction[1];
@@ -254,8 +254,8 @@ mod tests {
 
     #[test]
     fn irradiance_is_that_of_a_grid_and_exact_on_the_axis() {
-        // The telephone's lens is excluded: its pupil is a ten-thousandth of the rear element's disk, in which the grid
-        // has only a few points.
+        // The telephone's lens is excluded: its pupil is a ten-thousandth of the rear element's disk, so the grid has
+        // only a few points in the pupil.
         for name in catalogue::names().filter(|name| *name != "phone.4mm") {
             let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
             // The shortest lenses illuminate less film.

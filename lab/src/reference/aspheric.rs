@@ -1,6 +1,6 @@
-//! Exact refraction at a single aspheric interface: from a ray to the refracted ray and its derivatives, its margin to
-//! missing the interface, and the effect of the rounding of the surface itself. It uses the formula of the profile, a
-//! scan for the first crossing and Snell's law in vector form, and shares nothing with the walk.
+//! Exact refraction at a single aspheric interface. Computes the refracted ray and its derivatives, the ray's margin to
+//! missing the interface, and the effect of the rounding of the surface itself. It uses the profile's formula, a scan
+//! for the first crossing and Snell's law in vector form, and shares nothing with the walk.
 
 use realistic_optics::{
     lens::{Figure, Surface},
@@ -21,7 +21,7 @@ pub(super) struct Aspheric {
     /// 1 for light toward the scene, -1 for light toward the film.
     sign: f64,
     scan: Scan,
-    /// Refractive index before and after.
+    /// Refractive indices before and after the interface.
     n: [f64; 2],
 }
 
@@ -66,8 +66,8 @@ impl Aspheric {
         self.scan.first_crossing(point, direction)
     }
 
-    /// Returns the ray after the interface, which it crosses at `t`, for any number type. One step of Newton's method,
-    /// which does not move the point, supplies the derivatives of dual numbers.
+    /// Returns, in any number type, the ray after the interface, which the ray crosses at `t`. One step of Newton's
+    /// method, which does not move the point, supplies the derivatives of dual numbers.
     pub fn through<R: Real>(
         &self,
         point: [R; 3],
@@ -101,13 +101,13 @@ impl Aspheric {
         Ok([self.turned(point), self.turned(after)])
     }
 
-    /// Converts z along +z of lens space to z along the travel, and back.
+    /// Converts a vector's z from +z of lens space to the direction of travel, or back.
     fn turned<R: Real>(&self, [x, y, z]: [R; 3]) -> [R; 3] {
         [x, y, if self.sign > 0.0 { z } else { -z }]
     }
 
-    /// Returns Σ |`A_i`| r^i and Σ i |`A_i`| r^(i - 1): the shift and the tilt of the surface per relative rounding
-    /// error of its terms.
+    /// Returns Σ |`A_i`| r^i and Σ i |`A_i`| r^(i - 1), which are the shift and the tilt of the surface per relative
+    /// rounding error of its terms.
     pub fn rounding(&self, r: f64) -> [f64; 2] {
         terms(&self.figure.asphere).fold([0.0; 2], |[moved, tilted], (power, term)| {
             [moved + term.abs() * r.powi(power), tilted + f64::from(power) * term.abs() * r.powi(power - 1)]
@@ -138,10 +138,10 @@ impl Aspheric {
         }
     }
 
-    /// Returns the margin of the start of the search: the distance along the axis, mm, between the surface and the ray
-    /// at the search's start, which is the ray's own point or the height of the surface's lowest point, whichever comes
-    /// later; divided by the amplification of an error of that height. Infinite inside the clear aperture, where the
-    /// start lies before the surface.
+    /// Returns the margin of the start of the search, which is the ray's own point or the height of the surface's
+    /// lowest point, whichever comes later. The margin is the distance along the axis, mm, between the surface and the
+    /// ray at that start, divided by the amplification of an error in the height of the lowest point. It is infinite
+    /// inside the clear aperture, where the start lies before the surface.
     pub fn start(&self, before: &ExactRay) -> f64 {
         let [p, d]: [[f64; 3]; 2] = [before.point, before.direction].map(|v| v.map(Real::to_f64));
         let [low, high] = self.figure.bounds.sagitta;
@@ -152,12 +152,12 @@ impl Aspheric {
         if r < 0.999 * self.figure.rim {
             return f64::INFINITY;
         }
-        // Near the equator the slope is infinite; it is taken a little inside.
+        // At the equator the slope is infinite, so it is evaluated a little inside the equator.
         let steepness = self.slope(r.min(0.999 * self.figure.rim)).abs() * d[0].hypot(d[1]) / d[2].abs();
         (z + self.figure.sagitta(r)).abs() / (1.0 + steepness)
     }
 
-    /// Returns the length that the rounding of the height of the surface's lowest point is relative to, mm.
+    /// Returns the length, mm, to which the rounding error of the height of the surface's lowest point is relative.
     pub fn size(&self) -> f64 {
         let [low, high] = self.figure.bounds.sagitta;
         self.figure.bounds.terms_size + self.figure.rim + high - low

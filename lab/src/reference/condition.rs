@@ -1,22 +1,23 @@
 //! The condition number of the ray map: the amplification of rounding errors by a lens.
 //!
-//! Any tracer that rounds disturbs the ray a little at every interface. The most that it can achieve is *backward
+//! Any tracer that rounds disturbs the ray slightly at every interface. The best property that it can have is *backward
 //! stability*: its result is the exact result of a ray disturbed by about ε at the entry and at every interface.
 //! Therefore the disturbances are propagated through the exact Jacobian of each interface (dual numbers: W. K.
 //! Clifford, "Preliminary sketch of biquaternions", 1871; A. Griewank and A. Walther, *Evaluating Derivatives*, 2008,
-//! §3.1) and summed as independent ones (N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, §1.5 and
-//! §3.8).
+//! §3.1) and summed as independent disturbances (N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, 2002,
+//! §1.5 and §3.8).
 //!
-//! **The norms.** A disturbance of size 1 is one radian in direction, and in position the point's own distance from the
-//! vertex, in each component: the size of rounding errors in the point's coordinates ([`Trail::own`], for the walks). A
-//! tracer that computes its points from other quantities of the surface's size (the compiled kernels, from plane to
-//! plane and from sphere to sphere) has rounding errors of that size even on the axis: its disturbance of position is
-//! at least the clear semi-diameter ([`Trail::surface`]). An interface's radius, index and position are rounded, too;
-//! this moves the point and turns the ray by similar amounts and needs no terms of its own. An asphere's terms may be
-//! much larger than their sum. Their rounding shifts the surface by Σ |`A_i`| r^i and tilts it by
-//! Σ i |`A_i`| r^(i - 1); these two disturbances are included. The condition number in direction is then the root of
-//! the sum of squares of the resulting direction errors, in rad per unit; the one in position likewise, in mm per unit.
-//! Multiplied by ε they are the expected errors of a perfect tracer of that precision.
+//! **The norms.** A disturbance of size 1 is one radian in direction. In position it is, in each component, the point's
+//! own distance from the vertex, which is the size of rounding errors in the point's coordinates ([`Trail::own`], for
+//! the walks). A tracer that computes its points from other quantities of the surface's size (the compiled kernels,
+//! from plane to plane and from sphere to sphere) has rounding errors of the surface's size even on the axis: its
+//! disturbance of position is at least the clear semi-diameter ([`Trail::surface`]). An interface's radius, index and
+//! position are rounded, too; this moves the point and turns the ray by similar amounts and needs no terms of its own.
+//! An asphere's terms may be much larger than their sum. Their rounding shifts the surface by Σ |`A_i`| r^i and tilts
+//! it by Σ i |`A_i`| r^(i - 1); these two disturbances are included. The condition number in direction is then the root
+//! of the sum of squares of the resulting direction errors, in rad per unit; the condition number in position is that
+//! of the position errors, in mm per unit. Multiplied by ε, the condition numbers are the expected errors of a perfect
+//! tracer of that precision.
 
 use realistic_base::numeric::in_range;
 use realistic_optics::{
@@ -38,21 +39,22 @@ type Matrix = [[f64; N]; N];
 pub struct Trail {
     /// The ray at the last surface, in the frame of its vertex, or the reason why it is blocked.
     pub exact: Result<ExactRay, Blocked>,
-    /// Condition for disturbances of points relative to the points.
+    /// Condition for disturbances of a point that are relative to its own distance from the vertex.
     pub own: Condition,
-    /// Condition for disturbances of points relative to the surfaces.
+    /// Condition for disturbances of a point that are relative to the surface's size.
     pub surface: Condition,
 }
 
 /// Growth of disturbances along a ray.
 #[derive(Clone, Copy, Debug)]
 pub struct Condition {
-    /// Condition number in direction, rad per unit; for a blocked ray, up to the point where it is blocked.
+    /// Condition number in direction, rad per unit; for a blocked ray, that of the path up to the point where the ray
+    /// is blocked.
     pub direction: f64,
     /// Condition number in position, mm per unit.
     pub position: f64,
-    /// Least margin to the other outcome over the ray's decisions, in units of the disturbance there. Below a few ε a
-    /// tracer cannot decide correctly.
+    /// Least margin of the ray's decisions to the opposite outcome, in units of the disturbance at each decision. If
+    /// the margin is below a few ε, a tracer cannot decide correctly.
     pub margin: f64,
 }
 
@@ -61,7 +63,7 @@ pub struct Condition {
 pub enum Norm {
     /// The point's own distance from the vertex.
     Own,
-    /// The clear semi-diameter, or that distance if it is larger.
+    /// The clear semi-diameter, or the point's own distance from the vertex if that is larger.
     Surface,
 }
 
@@ -102,11 +104,12 @@ struct Interface {
     curvature: f64,
     aspheric: Option<Aspheric>,
     semi_diameter: f64,
-    /// Distance along the axis from its lowest to its highest point.
+    /// Distance along the axis from the interface's lowest to its highest point.
     depth: f64,
     /// (n'/n)² - 1.
     index_step: f64,
-    /// Whether it touches the last refracting interface before it: rays may meet it slightly behind that one.
+    /// Whether this interface touches the last refracting interface before it; rays may then meet this interface
+    /// slightly behind that one.
     touches: bool,
     exact: Path<DoubleDouble>,
     dual: Path<Dual>,
@@ -160,7 +163,7 @@ impl Conditioned {
         let direction = unit(vector(in_range(ray.direction)));
         let origin = [x, y, z - DoubleDouble::from_f64(self.entry)];
         // The disturbance of a distant ray is that of its point nearest the vertex, if that point lies ahead. The ray
-        // then starts a little before that point: in front of all of the first surface, which may be deeper than wide.
+        // then starts a little before that point, in front of the whole first surface, which may be deeper than wide.
         let ahead = -dot(origin, direction);
         let nearest = moved(origin, direction, ahead);
         let Interface { semi_diameter, depth, .. } = self.interfaces[0];
@@ -178,8 +181,8 @@ impl Conditioned {
             Doubt { norm, covariance: covariance.through(&transfer(-lead)), margin: f64::INFINITY }
         });
         let mut exact = None;
-        // Distance from the ray's start or last refraction: planes that only limit do not determine what lies behind
-        // them.
+        // Distance from the ray's start or its last refraction: planes that only limit rays do not begin a new
+        // distance.
         let mut travelled = DoubleDouble::ZERO;
         for (number, interface) in self.interfaces.iter().enumerate() {
             now.point[2] = now.point[2] - DoubleDouble::from_f64(self.sign * interface.distance);
@@ -275,8 +278,8 @@ impl Interface {
         self.curvature == 0.0 && self.aspheric.is_none() && self.index_step == 0.0
     }
 
-    /// Returns the ray after the interface, in any number type: through a sphere or a plane by a path, through an
-    /// asphere at the crossing found.
+    /// Returns the ray after the interface, in any number type. A path traces it through a sphere or a plane; an
+    /// asphere is crossed at the given crossing.
     fn through<R: Real>(
         &self,
         path: &Path<R>,
@@ -355,7 +358,7 @@ impl Interface {
         let doubt = covariance.position() + norm(before.point) * covariance.direction();
         // The same tolerance as for a sphere.
         let allowed = 16.0 * (self.semi_diameter + self.distance);
-        // A walk starts its search 1024 ε of the surface's size below its lowest point.
+        // A walk starts its search 1024 ε of the surface's size below the surface's lowest point.
         let start = aspheric.start(before) / (16.0 * aspheric.size() + allowed + doubt);
         let hit = match aspheric.met(before, crossing) {
             Met::At { cosine, steepness, distance } => {

@@ -1,4 +1,4 @@
-//! Numbers of 106 bits, vectors of them, and their rounding.
+//! Numbers of 106 bits, vectors of such numbers, and their rounding.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 

@@ -14,7 +14,7 @@ pub struct ExactRay {
 }
 
 impl ExactRay {
-    /// Returns the distance in mm between this point and that of a ray in lens space, whose last vertex lies at
+    /// Returns the distance in mm between this point and the point of a ray in lens space; the last vertex lies at
     /// `vertex`.
     pub fn position_error(&self, ray: &Ray, vertex: f64) -> f64 {
         let at = difference(vector(ray.origin), vector([0.0, 0.0, vertex]));

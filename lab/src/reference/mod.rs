@@ -1,5 +1,5 @@
 //! Exact rays through a lens, and the lens's amplification of rounding errors. Rays are traced in double-double numbers
-//! of 106 bits: by the walk's formulas for spheres and planes, and by separate formulas and a separate search for
+//! of 106 bits, by the walk's formulas for spheres and planes, and by separate formulas and a separate search for
 //! aspheres.
 
 mod aspheric;

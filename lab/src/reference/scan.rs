@@ -1,6 +1,5 @@
-//! The first crossing of a ray with an asphere, by the profile's formula alone: z less
-//! c r²/(1 + √(1 - (1 + k) c² r²)) + Σ `A_i` r^i along the ray, subdivided into intervals until the first change of sign
-//! is proven.
+//! The first crossing of a ray with an asphere, by the profile's formula alone. The ray is divided into intervals until
+//! the first change of sign of z - (c r²/(1 + √(1 - (1 + k) c² r²)) + Σ `A_i` r^i) is proven.
 //!
 //! On an interval, interval arithmetic bounds the height F of the ray above the surface and its derivative. The conic's
 //! part and its derivative with respect to u = r² are monotonic in magnitude, so their values at the ends bound them;
@@ -48,9 +47,10 @@ struct Range {
 
 /// Length, relative to the whole search, at which an interval is no longer halved.
 const FINEST: f64 = 1e-14;
-/// Limit on intervals, more than any ray has taken.
+/// Maximum number of intervals, more than any ray has needed.
 const MOST: usize = 1_000_000;
-/// Limit on iterations, enough to reduce a bracket to the last digit, and the relative step that ends them.
+/// Maximum number of iterations, enough to reduce a bracket to the last digit; and the relative step that ends the
+/// iterations.
 const TURNS: usize = 110;
 const EXACT: f64 = 1e-30;
 /// Margin for rounding, relative to the operands of a sum.
@@ -68,7 +68,7 @@ impl Scan {
     }
 
     /// Finds the distance from `point`, in units of `direction`, at which the ray first crosses the surface toward the
-    /// side ahead, both in the frame of the vertex with z along the travel.
+    /// side ahead. `point` and `direction` are in the frame of the vertex, with z along the travel.
     pub fn first_crossing(&self, point: Vector, direction: Vector) -> Result<DoubleDouble, Blocked> {
         let number = DoubleDouble::from_f64;
         let ray = ScannedRay::new(point, direction);
@@ -111,7 +111,7 @@ impl Scan {
     }
 
     /// Evaluates the profile at the squared distance u from the axis. Beyond the edge, the terms continue as the
-    /// paraboloid tangent to them there; the conic has its own end.
+    /// paraboloid tangent to them at the edge; the conic ends at its own radius.
     pub fn profile<R: Real>(&self, u: R) -> Profile<R> {
         let number = R::from_f64;
         let c = number(self.sign) / number(self.asphere.radius);
@@ -159,7 +159,7 @@ impl Scan {
         if kappa > 0.0 { self.asphere.radius.powi(2) / kappa } else { f64::INFINITY }
     }
 
-    /// Returns z of the ray less z of the surface.
+    /// Returns z of the ray minus z of the surface.
     fn above(&self, ray: &ScannedRay, t: DoubleDouble) -> DoubleDouble {
         let [x, y, z] = ray.at(t);
         z - self.profile(x * x + y * y).height
@@ -263,8 +263,8 @@ impl ScannedRay {
         std::array::from_fn(|i| self.point[i] + t * self.direction[i])
     }
 
-    /// Returns the interval in which the squared distance from the axis is below `end`; `None` if it always is, and an
-    /// empty interval if it never is.
+    /// Returns the interval in which the squared distance from the axis is below `end`: `None` if the distance is
+    /// always below, and an empty interval if it never is.
     fn inside(&self, end: f64) -> Option<[f64; 2]> {
         if end.is_infinite() || (self.across == 0.0 && self.u <= end) {
             return None;

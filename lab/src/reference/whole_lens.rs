@@ -1,5 +1,5 @@
-//! The reference for a whole lens. Spheres and planes use the walk in double-double numbers, which needs no search;
-//! lenses with aspheres are traced interface by interface, independent of the walk's search.
+//! The reference for a whole lens. Lenses of spheres and planes use the walk in double-double numbers, which needs no
+//! search; lenses with aspheres are traced interface by interface, independent of the walk's search.
 
 use realistic_base::numeric::in_range;
 use realistic_optics::{

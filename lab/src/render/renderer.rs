@@ -1,4 +1,4 @@
-//! The renderer of the program and the laboratory: from camera rays and the light along them to the mean over
+//! The renderer of the program and the laboratory. From camera rays and the light along them, it computes the mean over
 //! every pixel's samples. The caller chooses the camera, the samples, the scene and the threads.
 
 use realistic::ffi::{realistic_ray, realistic_sample};
@@ -25,7 +25,7 @@ impl Rays<'_> {
 
 /// The samples of a pixel, and the light along its rays.
 pub trait Integrand<const CHANNELS: usize> {
-    /// Places the samples of a pixel (column, row), which are numbered in the batch from `first`.
+    /// Sets the positions of the samples of a pixel (column, row); in the batch, the samples are numbered from `first`.
     fn place(&mut self, pixel: [u32; 2], first: usize, samples: &mut [realistic_sample]);
 
     /// Returns the radiance along the ray of the batch's sample `number`.
@@ -68,7 +68,7 @@ const BATCH: usize = 2048;
 /// row. A blocked ray counts as black.
 ///
 /// # Errors
-/// Those of the camera.
+/// The errors of the camera.
 pub fn render<E, const CHANNELS: usize>(
     mut camera: impl FnMut(Rays<'_>) -> Result<(), E>,
     integrand: &mut impl Integrand<CHANNELS>,

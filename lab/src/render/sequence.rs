@@ -13,8 +13,8 @@ pub const DIMENSIONS: usize = 4;
 pub enum Sequence {
     /// Independent random numbers.
     Random,
-    /// Every pair of coordinates jittered in its own square strata, the pairs shuffled against each other; random if
-    /// the count is not a square number.
+    /// Pairs of coordinates, each pair jittered in its own square strata; the pairs are shuffled against each other.
+    /// The points are independent random ones if their number is not a square.
     Stratified,
     /// Sobol's sequence with Owen's scrambling by hashes (B. Burley, "Practical Hash-based Owen
     /// Scrambling", *JCGT* 9(4), 2020; directions by S. Joe and F. Kuo, 2008).
@@ -36,7 +36,8 @@ impl Sequence {
         ("R2", Self::Recurrence),
     ];
 
-    /// Fills the first `dimensions` (2 or 4) coordinates of every point; another `seed` gives independent points.
+    /// Fills the first `dimensions` (2 or 4) coordinates of every point; another `seed` gives points independent of
+    /// these.
     pub fn fill(self, seed: u32, dimensions: usize, points: &mut [Point]) {
         let mut random = Xoshiro256PlusPlus::seed_from_u64(seed.into());
         match self {
@@ -95,13 +96,13 @@ fn stratify(random: &mut impl Rng, dimensions: usize, points: &mut [Point]) {
     }
 }
 
-/// Fills `numbers` with one number in [0, 1) in each of as many equal strata, jittered, in random order; another `seed`
-/// gives independent numbers.
+/// Fills `numbers` with jittered numbers in [0, 1), in random order: one in each of `numbers.len()` equal strata.
+/// Another `seed` gives independent numbers.
 pub fn strata(seed: u32, numbers: &mut [f32]) {
     let mut random = Xoshiro256PlusPlus::seed_from_u64(seed.into());
     let count = numbers.len() as f32;
     for (index, number) in numbers.iter_mut().enumerate() {
-        // Rounding may reach the next stratum.
+        // Rounding might move a number into the next stratum.
         let end = ((index + 1) as f32 / count).next_down();
         *number = ((index as f32 + random.random::<f32>()) / count).min(end);
     }

@@ -1,5 +1,4 @@
-//! Summaries of measurements: quantiles, slopes and Pareto fronts, and tables as comma-separated
-//! files.
+//! Summaries of measurements: quantiles, slopes, Pareto fronts, and tables that are saved as comma-separated files.
 
 pub mod statistics;
 pub mod table;

@@ -38,8 +38,8 @@ impl Spread {
     }
 }
 
-/// Returns the exponent s of the power law y = c x^s that best fits positive points in the logarithms; `None` for fewer
-/// than two different x.
+/// Returns the exponent s of the power law y = c x^s that best fits the logarithms of positive points; `None` for fewer
+/// than two different values of x.
 pub fn log_slope(points: &[(f64, f64)]) -> Option<f64> {
     let logs: Vec<_> =
         points.iter().filter(|(x, y)| *x > 0.0 && *y > 0.0).map(|(x, y)| (x.ln(), y.ln())).collect();
@@ -53,9 +53,9 @@ pub fn log_slope(points: &[(f64, f64)]) -> Option<f64> {
     (square > 0.0).then(|| product / square)
 }
 
-/// Marks the points (cost, error) that no other point beats. A marked point has no other point that is as good in both
-/// and better in one; no more accurate one that costs less than `tie` times as much; and no cheaper one whose error is
-/// less than `tie` times as large. With a `tie` of 1 this is the Pareto front.
+/// Marks the points (cost, error) that no other point beats. A point is marked if no other point is as good in both and
+/// better in one, no more accurate point costs less than `tie` times as much, and no cheaper point has an error less
+/// than `tie` times as large. With a `tie` of 1 these points are the Pareto front.
 pub fn pareto_front(points: &[(f64, f64)], tie: f64) -> Vec<bool> {
     let mut order: Vec<usize> = (0..points.len()).collect();
     order.sort_by(|&a, &b| {
@@ -119,11 +119,12 @@ mod tests {
 
     #[test]
     fn what_saves_less_than_a_tie_is_not_on_the_front() {
-        // The second is more accurate than the first and costs 5 % more; the last three are each 9 % from the next.
+        // The second point is more accurate than the first and costs 5 % more; each of the last three costs 9 % more
+        // than the one before.
         let points = [(1.0, 9.0), (1.05, 5.0), (2.0, 3.0), (2.18, 2.0), (2.38, 1.0)];
         assert_eq!(pareto_front(&points, 1.1), [false, true, true, false, true]);
         assert_eq!(pareto_front(&points, 1.0), [true; 5]);
-        // Forty times the cost for a difference of rounding size.
+        // The second costs forty times as much, for a gain in accuracy of the size of rounding errors.
         assert_eq!(pareto_front(&[(12.0, 1.0e-12), (480.0, 0.95e-12)], 1.1), [true, false]);
         assert_eq!(pareto_front(&[], 1.1), Vec::<bool>::new());
     }

@@ -153,7 +153,7 @@ pub fn planes_with_a_term() -> Vec<Case> {
             let (sine, cosine) = (slope / length, ONE / length);
             let bent = sine / exact(n);
             let bent_cosine = ((ONE - bent) * (ONE + bent)).sqrt();
-            // The ray turns by I - I' toward the axis if the surface recedes from it.
+            // The ray turns by I - I' toward the axis if the surface recedes from the incoming light.
             let turn = sine * bent_cosine - cosine * bent;
             let along = cosine * bent_cosine + sine * bent;
             let part = |x: f64| if r > ZERO { -(turn * exact(x) / r) } else { ZERO };
@@ -166,7 +166,7 @@ pub fn planes_with_a_term() -> Vec<Case> {
     [(4, 1e-4), (4, -1e-3), (3, 2e-3), (2, 0.01), (20, 1e-16), (5, -1e-4)].map(case).into()
 }
 
-/// Whole half ellipsoids, met up to their edges from both sides, and strong conics with terms.
+/// Whole half ellipsoids, which rays meet from both sides and up to the edges; and strong conics with terms.
 pub fn edges() -> Vec<Case> {
     let shapes = [
         ("an oblate half ellipsoid", asphere(10.0, 3.0, &[]), 5.0),

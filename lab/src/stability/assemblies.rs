@@ -1,5 +1,5 @@
-//! Cases of whole lenses: number of interfaces, scale, stop, film position, and coordinates at the ends
-//! of the number range.
+//! Cases of whole lenses, which vary the number of interfaces, the scale, the stop, the film position, and coordinates
+//! at the ends of the number range.
 
 use realistic_optics::{
     lens::{
@@ -95,8 +95,8 @@ fn central_rays(lens: &Lens, stop: usize, back: f64) -> (Vec<Ray>, Vec<Ray>) {
     (from_film.collect(), from_scene.collect())
 }
 
-/// Fields beyond 90 degrees: rays from the film that leave a fisheye backward, and the reversed rays that
-/// enter it from the front's plane, from 1 m and from 1 km.
+/// Fields beyond 90 degrees: rays from the film that leave a fisheye backward, and the reversed rays, which enter the
+/// fisheye from the front's plane, from 1 m and from 1 km.
 pub fn fisheyes() -> Vec<Case> {
     let rows = [
         (35.0, 2.0, 1.7, 34.9),

@@ -46,7 +46,7 @@ pub struct CaseResult {
     /// The largest condition number in direction over the rays: see [`condition`](crate::reference::condition).
     pub condition: f64,
     /// The largest error / (condition x epsilon) over the rays, in direction or position. The tracer is backward stable
-    /// if it is of order one.
+    /// if this ratio is of order one.
     pub ratio: f64,
     /// Rays that were evaluated.
     pub rays: usize,
@@ -87,8 +87,8 @@ pub struct Failure {
 }
 
 /// Least distance of a ray's decisions, in units of epsilon times the disturbance accumulated there, for the ray to be
-/// evaluated. Single precision was seen to decide wrongly up to 74 away, three times in a million rays: where two weak
-/// surfaces meet at the vertex and cross near the edge of the aperture.
+/// evaluated. Single precision was seen to decide wrongly at distances of up to 74 of these units, for three rays in a
+/// million, where two weak surfaces meet at the vertex and cross near the edge of the aperture.
 pub const MARGIN: f64 = 80.0;
 
 impl Case {
@@ -113,7 +113,7 @@ impl Case {
         trails
     }
 
-    /// Tests a tracer; `trails` are those of this case. `None` if the tracer cannot trace this lens.
+    /// Tests a tracer with the `trails` of this case. Returns `None` if the tracer cannot trace this lens.
     pub fn run(&self, tracer: &TracerUnderTest, trails: &[Trail]) -> Option<CaseResult> {
         let outcomes = tracer.trace(&self.lens, self.direction, &self.rays)?;
         let exit = match self.direction {
@@ -186,7 +186,7 @@ impl CaseResult {
         self.failures.is_empty()
     }
 
-    /// Returns the reasons of failure, each with its number of rays; empty if the case holds.
+    /// Returns the reasons of failure, each with the number of rays that fail for it; empty if the case holds.
     pub fn fails_because(&self) -> String {
         let count = |reason| self.failures.iter().filter(|failure| failure.reason == reason).count();
         let reasons = Reason::NAMES.map(|(name, reason)| (name, count(reason)));

@@ -49,8 +49,9 @@ pub fn plates() -> Vec<Case> {
     cases
 }
 
-/// An aplanatic meniscus: its inner surface is concentric with the object, which the outer one, R/n from
-/// its centre, images without error to n R (M. Born and E. Wolf, *Principles of Optics*, section 4.2.3).
+/// An aplanatic meniscus. Its inner surface is concentric with the object. Its outer surface, from whose centre the
+/// object is R/n away, images the object without error to the distance n R (M. Born and E. Wolf, *Principles of
+/// Optics*, section 4.2.3).
 pub fn aplanatic_meniscus() -> Vec<Case> {
     // R/n and n R are multiples of a quarter.
     let (radius, n, inner) = (7.5, 1.5, 2.0);
@@ -62,8 +63,8 @@ pub fn aplanatic_meniscus() -> Vec<Case> {
         [(0.0, 1.0, 1.0), (3.0, 4.0, 5.0), (4.0, 3.0, 5.0), (20.0, 21.0, 29.0), (7.0, 24.0, 25.0)]
     {
         rays.push(Ray { origin: [0.0, 0.0, object], direction: [opposite, 0.0, adjacent] });
-        // sin U' = sin U/n from the image, at the distance n R from the centre; the ray meets the sphere
-        // at the second intersection with that line.
+        // From the image, at the distance n R from the centre, sin U' = sin U/n; the ray meets the sphere at that
+        // line's second intersection with it.
         let sine = exact(opposite) / exact(hypotenuse) / exact(n);
         let direction = [sine, ZERO, cosine(sine)];
         let along = exact(n * radius) * direction[2];
@@ -80,8 +81,8 @@ pub fn aplanatic_meniscus() -> Vec<Case> {
 /// Concentric shells: n r sin I is constant (Bouguer's formula, Born and Wolf, section 3.2.1), and each
 /// shell turns the direction by I - I'.
 pub fn shells() -> Vec<Case> {
-    // Luneburg's n² = 2 - r² in many thin steps (R. K. Luneburg, *Mathematical Theory of Optics*, section
-    // 28), and a few strong shells; all outer radii are distances from the centre.
+    // The shells are Luneburg's n² = 2 - r² in many thin steps (R. K. Luneburg, *Mathematical Theory of Optics*,
+    // section 28), and a few strong shells; all outer radii are distances from the centre.
     let luneburg = |count: u32, radius: f64| -> Vec<(f64, f64)> {
         (0..count)
             .map(|i| {

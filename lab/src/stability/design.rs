@@ -1,6 +1,6 @@
-//! Quantities derived from a lens without exact rays: focal length, pupil and focus, compared with first-order
-//! optics in extended precision. Its ray-transfer matrices are products of shears, through which disturbances are
-//! propagated (N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, section 3.8).
+//! Quantities derived from a lens without exact rays: focal length, pupil and focus, compared with first-order optics
+//! in extended precision. The ray-transfer matrices of that reference are products of shears, through which
+//! disturbances are propagated (N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, 2002, section 3.8).
 
 use realistic_optics::{
     imaging::focus::Focus,
@@ -50,8 +50,8 @@ impl RayTransferMatrix {
         }
     }
 
-    /// Returns the change of a coefficient, mm or 1/mm, for a relative disturbance of 1 of every power, of every
-    /// distance and of itself: the sum of the absolute derivatives times the values.
+    /// Returns the change of a coefficient, mm or 1/mm, for a relative disturbance of 1 of every power, every distance
+    /// and the coefficient itself: the sum of the absolute derivatives, each times its value.
     fn spread(&self, row: usize, column: usize) -> f64 {
         let mut after = IDENTITY[row];
         let mut spread = self.exact[row][column].to_f64().abs();
@@ -90,7 +90,7 @@ fn evaluated(name: String, what: &'static str, got: f64, exact: DoubleDouble, co
 fn lenses() -> Vec<Lens> {
     let mut lenses: Vec<Lens> =
         ["dgauss.50mm", "telephoto.250mm", "fisheye.10mm"].map(|name| catalogue(name, 1.0)).into();
-    // A ball of 1 um behind a weak lens and a kilometre of air: the ball's thickness is below the rounding of its
+    // A ball of 1 um lies behind a weak lens and a kilometre of air: the ball's thickness is below the rounding of its
     // vertices' positions.
     let rows = [
         (2e6, 5.0, 1.5, 40.0),
@@ -110,7 +110,7 @@ fn lenses() -> Vec<Lens> {
     lenses
 }
 
-/// Checks focal length, back focal distance and the exit pupil's angle of every difficult lens.
+/// Checks the focal length, the back focal distance and the angle of the exit pupil of every difficult lens.
 pub fn first_order() -> Vec<CaseResult> {
     let mut results = Vec::new();
     for lens in lenses() {
@@ -151,8 +151,8 @@ pub fn first_order() -> Vec<CaseResult> {
     results
 }
 
-/// Checks the film distance for infinity, 10 km and 1 m, with a stop so small that the best focus is the paraxial
-/// one.
+/// Checks the film distance for objects at infinity, 10 km and 1 m, with a stop so small that the best focus is the
+/// paraxial one.
 pub fn focus() -> Vec<CaseResult> {
     let mut results = Vec::new();
     for name in ["dgauss.50mm", "telephoto.250mm", "wide.22mm", "fisheye.10mm"] {
@@ -168,7 +168,8 @@ pub fn focus() -> Vec<CaseResult> {
         for distance in [f64::INFINITY, 1e7, 2e3] {
             let Ok(got) = focus.film_distance(distance) else { continue };
             let answer = if distance.is_finite() {
-                // f² u² - p u + 1 = 0, p the object's distance from the film less that of the focal points.
+                // f² u² - p u + 1 = 0, where p is the object's distance from the film minus the distance between the
+                // focal points.
                 let between = front + exact(length) + back;
                 let p = exact(distance) - between;
                 let square = focal_length * focal_length;

@@ -1,4 +1,4 @@
-//! Cases of one and two interfaces whose answer the reference gives: curvature, the edges of hemispheres, critical
+//! Cases of one and two interfaces whose answer the reference gives: extreme curvatures, edges of hemispheres, critical
 //! angles, index steps and gaps.
 
 use realistic_optics::trace::{
@@ -23,7 +23,8 @@ pub fn radii() -> Vec<Case> {
         for &sign in signs {
             let semi = (0.9_f64 * radius).min(5.0);
             let alone = [(sign * radius, 0.0, 1.5, semi)];
-            // The film side must be air as well, so there is a plate's back, as thick as the surface is wide.
+            // The film side must be air as well, so the surface is the front of a plate, which is as thick as the
+            // surface is wide.
             let backed = [(sign * radius, 4.0 * semi, 1.5, semi), (f64::INFINITY, 0.0, 1.0, semi)];
             for (rows, direction) in [(&alone[..], SceneToFilm), (&backed[..], FilmToScene)] {
                 let side = if direction == SceneToFilm { "scene" } else { "film" };
@@ -38,7 +39,7 @@ pub fn radii() -> Vec<Case> {
     cases
 }
 
-/// Hemispheres met at up to 1 - 1e-12 of their radius.
+/// Hemispheres, which rays meet at up to 1 - 1e-12 of the radius from the axis.
 pub fn edges() -> Vec<Case> {
     let radius = 10.0;
     let nearness = [0.1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12];
@@ -70,8 +71,8 @@ pub fn edges() -> Vec<Case> {
     .collect()
 }
 
-/// Rays that meet a plane and a weak sphere at down to 1e-9 rad from grazing incidence, and continue inside at the
-/// critical angle, or leave at it.
+/// Rays that meet a plane or a weak sphere at angles down to 1e-9 rad from grazing, and continue inside at the critical
+/// angle; and rays that leave at it.
 pub fn grazing() -> Vec<Case> {
     let rays = |sign: f64| -> Vec<Ray> {
         let slopes = (1..=9).flat_map(|i| [1.0, 3.0].map(|digit| digit * 10.0_f64.powi(i)));
@@ -83,7 +84,7 @@ pub fn grazing() -> Vec<Case> {
         case("grazing", "a plane from the scene", &wide(f64::INFINITY), SceneToFilm, rays(-1.0)),
         case("grazing", "a sphere of 1e12 mm from the scene", &wide(1e12), SceneToFilm, rays(-1.0)),
     ];
-    // The reversed rays, from inside toward the plane, as close to the critical angle.
+    // The rays are reversed: they travel from inside toward the plane, as close to the critical angle.
     let critical = (1.0_f64 / 1.5).asin();
     let inside = (1..=10).flat_map(|i| [-1.0, 1.0].map(|side| critical + side * 10.0_f64.powi(-i)));
     let back = inside
@@ -93,7 +94,7 @@ pub fn grazing() -> Vec<Case> {
     cases
 }
 
-/// Both sides of the critical angle, from 1e-2 to 1e-12 of its sine.
+/// Rays on both sides of the critical angle, whose sines differ from its sine by 1e-2 to 1e-12 of it.
 pub fn critical_angles() -> Vec<Case> {
     let radius = 10.0;
     let mut cases = Vec::new();
@@ -130,7 +131,7 @@ pub fn index_steps() -> Vec<Case> {
     cases
 }
 
-/// Interfaces that touch, at the vertex and at the edge, and gaps from 1e-9 to 1e6 mm.
+/// Interfaces that touch at the vertex or at the edge, and gaps from 1e-9 to 1e6 mm.
 pub fn gaps() -> Vec<Case> {
     let air = |gap: f64, next: f64| {
         [(30.0, 3.0, 1.5, 5.0), (-30.0, gap, 1.0, 5.0), (next, 3.0, 1.6, 5.0), (-200.0, 0.0, 1.0, 5.0)]

@@ -12,7 +12,8 @@ use realistic_optics::{
 pub const SIDES: [(&str, Direction); 2] =
     [("scene", Direction::SceneToFilm), ("film", Direction::FilmToScene)];
 
-/// A row of a lens: radius (infinite for a plane), thickness, index behind, clear semi-diameter; mm.
+/// A row of a lens: radius (infinite for a plane), thickness, index behind the surface, and clear semi-diameter;
+/// lengths in mm.
 pub type Row = (f64, f64, f64, f64);
 
 /// Builds the lens of these rows, scene side first. A last medium other than air is kept.
@@ -50,9 +51,9 @@ pub fn catalogue(name: &str, factor: f64) -> Lens {
     Lens::at_d_line(&prescription.scaled(factor))
 }
 
-/// Returns rays from points at the given heights in the plane `distance` mm before the first surface
-/// to points of that surface's vertex plane: the centre and rings out to `aim` mm, at azimuths that
-/// share no symmetry with the points.
+/// Returns rays from points at the given heights in the plane `distance` mm before the first surface. They are aimed at
+/// points of that surface's vertex plane: its centre, and rings out to `aim` mm at azimuths that share no symmetry with
+/// the starting points.
 pub fn bundle(lens: &Lens, direction: Direction, distance: f64, heights: &[f64], aim: f64) -> Vec<Ray> {
     let (entry, sign) = match direction {
         Direction::FilmToScene => (lens.rear().vertex, 1.0),

@@ -10,9 +10,9 @@
 //! | [`design`] | focal length, pupil and focus of stiff lenses |
 //! | [`random`] | lenses and rays at random |
 //!
-//! [`run`] runs all cases, and [`rerun`] one case by its name, identically on any machine. The figure of merit is
-//! [`CaseResult::ratio`]: the error relative to that of a perfect tracer of the same precision, which follows from the
-//! case's [condition number](crate::reference::condition).
+//! [`run`] runs all cases, and [`rerun`] runs one case by its name, identically on any machine. The figure of merit is
+//! [`CaseResult::ratio`]: the error divided by the error of a perfect tracer of the same precision, which follows from
+//! the case's [condition number](crate::reference::condition).
 
 pub mod aspheres;
 pub mod assemblies;
@@ -33,10 +33,10 @@ pub use tracers::{BOUND, TracerUnderTest, tracers};
 /// Extent of the random part; the named cases always run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Extent {
-    /// Number of random lenses of each kind that are compared with the reference, with a hundred rays each; they are
-    /// numbered from 0.
+    /// Number of random lenses of each kind, numbered from 0, that are compared with the reference with a hundred rays
+    /// each.
     pub lenses: u64,
-    /// Number of random lenses in cameras, with [`RAYS_EACH`] rays each; they are numbered from 0.
+    /// Number of random lenses in cameras, numbered from 0, with [`RAYS_EACH`] rays each.
     pub cameras: u64,
 }
 
@@ -143,8 +143,8 @@ fn run_parts(
     ControlFlow::Continue(())
 }
 
-/// Returns the results of one case for every tracer, by the name in a [`Failure`]: of a named case or a random one.
-/// Empty if there is no such case.
+/// Returns the results of one case for every tracer. The name is that in a [`Failure`], of a named or a random case.
+/// The results are empty if there is no such case.
 pub fn rerun(name: &str) -> Vec<CaseResult> {
     if let Some(number) = random::camera_number(name) {
         return vec![random::through_cameras(number..number + 1, RAYS_EACH).result()];
@@ -159,7 +159,8 @@ pub fn rerun(name: &str) -> Vec<CaseResult> {
     design
 }
 
-/// Divides the numbers below `count` into [`PARTS`] parts, each with the share of the work before it.
+/// Divides the numbers below `count` into [`PARTS`] parts, and returns each with the share of the work that comes
+/// before it.
 fn parts(count: u64) -> impl Iterator<Item = (Range<u64>, f64)> {
     (0..PARTS).map(move |part| {
         let at = |part: u64| count * part / PARTS;
@@ -167,7 +168,7 @@ fn parts(count: u64) -> impl Iterator<Item = (Range<u64>, f64)> {
     })
 }
 
-/// Runs `work` on every core, each with its share of the numbers, and returns the results in increasing order of the
+/// Runs `work` on every core, each on a share of the numbers, and returns the results in increasing order of the
 /// numbers, so that they do not depend on the number of cores.
 fn on_all_cores<T: Send>(numbers: Range<u64>, work: impl Fn(Range<u64>) -> T + Sync) -> Vec<T> {
     let workers = std::thread::available_parallelism().map_or(1, std::num::NonZero::get) as u64;

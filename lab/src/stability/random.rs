@@ -1,6 +1,6 @@
 //! Random lenses that pass the checks of a lens file, and rays from anywhere behind them. Each number makes one lens
-//! and its rays, independent of the others that run. [`against_reference`] returns the worst error of every tracer
-//! against the reference, and [`through_cameras`] the rays of whole cameras with such lenses that are not valid.
+//! and its rays, whatever other numbers run. [`against_reference`] returns the worst error of every tracer against the
+//! reference; [`through_cameras`] returns the invalid rays of whole cameras with such lenses.
 
 use std::{fmt::Write, ops::Range};
 
@@ -28,8 +28,8 @@ pub fn scaled(random: &mut Random, from: f64, to: f64) -> f64 {
     random.random_range(from.ln()..to.ln()).exp()
 }
 
-/// Returns the text of a random lens of 1 to 16 interfaces: radii from the clear semi-diameter, which makes a
-/// hemisphere, to 1e5 mm and planes; glass of any index, touching elements, at most one stop.
+/// Returns the text of a random lens of 1 to 16 interfaces: planes, and radii from the clear semi-diameter, which makes
+/// a hemisphere, to 1e5 mm; glass of any index, touching elements, and at most one stop.
 pub fn lens_text(random: &mut Random) -> String {
     let count = 1 + (random.random::<f64>().powi(2) * 16.0) as usize;
     let mut text = String::new();
@@ -64,22 +64,22 @@ pub fn lens_text(random: &mut Random) -> String {
             random.random_range(1.4..2.0)
         };
         in_air = air_behind;
-        // Infallible: writing to a string cannot fail.
+        // Writing to a string cannot fail.
         let _ = writeln!(text, "{radius:e} {thickness:e} {index:e} {:e}", 2.0 * semi);
     }
     text
 }
 
-/// Returns a random lens; its text has passed the checks of a lens file.
+/// Returns a random lens, whose text has passed the checks of a lens file.
 pub fn random_lens(random: &mut Random) -> Lens {
     let text = lens_text(random);
     let prescription = read("random lens", text.as_bytes());
     Lens::at_d_line(&prescription.unwrap_or_else(|error| panic!("{error}\n{text}")))
 }
 
-/// Returns a random lens most of whose spheres and planes have become aspheres: conics of every kind, terms that reach
-/// up to a seventh of the clear semi-diameter at its edge. A third of those with a radius have a semi-diameter of 0.5
-/// to 1.2 times that of their half ellipsoid, limited to the whole half as in a lens file.
+/// Returns a random lens most of whose spheres and planes have become aspheres: conics of every kind, with terms whose
+/// size at the clear edge is up to a seventh of the clear semi-diameter. A third of the aspheres with a radius have a
+/// semi-diameter of 0.5 to 1.2 times that of their half ellipsoid, limited to the whole half as in a lens file.
 pub fn random_aspheric_lens(random: &mut Random) -> Lens {
     let text = lens_text(random);
     let mut prescription =
@@ -118,9 +118,9 @@ pub fn random_aspheric_lens(random: &mut Random) -> Lens {
     Lens::at_d_line(&prescription)
 }
 
-/// Returns the text of a short lens whose aspheres rays often miss: 6 to 12 interfaces, about 3 to 6 of them aspheres
-/// with terms that reach up to a seventh of the semi-diameter at its edge, about half of them close to their conic's
-/// equator. The same seed gives the same lens.
+/// Returns the text of a short lens whose aspheres are often missed by rays. Of its 6 to 12 interfaces, about 3 to 6
+/// are aspheres; their terms reach up to a seventh of the semi-diameter at the edge, and about half of them extend
+/// close to their conic's equator. The same seed gives the same lens.
 pub fn aspheric_lens_text(seed: u64) -> String {
     let random = &mut Random::seed_from_u64(seed);
     let rows = random.random_range(6..=12_usize);
@@ -136,7 +136,7 @@ pub fn aspheric_lens_text(seed: u64) -> String {
         let radius = if random.random_bool(0.5) { radius } else { -radius };
         let index = if row % 2 == 0 { random.random_range(1.4..1.9) } else { 1.0 };
         let thickness = if row + 1 == rows { 0.0 } else { widest * random.random_range(0.05..0.8) };
-        // Infallible: writing to a string cannot fail.
+        // Writing to a string cannot fail.
         let _ = writeln!(text, "{radius:e} {thickness:e} {index:e} {:e}", 2.0 * semi);
         if !is_asphere {
             continue;
@@ -173,7 +173,7 @@ impl Kind {
         }
     }
 
-    /// Returns the name of its cases, before their number.
+    /// Returns the name of this kind's cases, before their number.
     const fn name(self) -> &'static str {
         match self {
             Self::Spheres => "random lens",
@@ -181,7 +181,7 @@ impl Kind {
         }
     }
 
-    /// Returns the random lens of a number with a hundred rays; the same number gives the same case.
+    /// Returns the random lens of this number, with a hundred rays; the same number gives the same case.
     pub fn case(self, number: u64) -> Case {
         let mut random = Random::seed_from_u64(number);
         let lens = self.lens(&mut random);
@@ -190,7 +190,7 @@ impl Kind {
         Case::new(GROUP, format!("{} {number}", self.name()), &lens, direction, rays)
     }
 
-    /// Returns the case with that name, if it is a random one.
+    /// Returns the case of this name, if it is a random case.
     pub fn find(name: &str) -> Option<Case> {
         let number = |kind: Self| name.strip_prefix(kind.name())?.trim().parse().ok();
         Self::ALL.into_iter().find_map(|kind| Some(kind.case(number(kind)?)))
@@ -200,7 +200,7 @@ impl Kind {
 /// The group of all random cases.
 const GROUP: &str = "random";
 
-/// Returns rays at the first surface of a random lens from a few planes, most of which enter it.
+/// Returns rays that start in a few planes and meet the first surface of a random lens; most of them enter the lens.
 fn rays(random: &mut Random, lens: &Lens, direction: Direction, count: usize) -> Vec<Ray> {
     let (surface, sign) = match direction {
         FilmToScene => (lens.rear(), 1.0),
@@ -224,7 +224,7 @@ fn rays(random: &mut Random, lens: &Lens, direction: Direction, count: usize) ->
         .collect()
 }
 
-/// Rays from one plane: enough for the widest registers, and a remainder.
+/// Rays from one plane: enough to fill the widest registers and leave a remainder.
 const PLANE: usize = 20;
 
 /// Returns empty results of the random lenses, one per tracer.
@@ -238,7 +238,7 @@ pub fn none_yet(kind: Kind, tracers: &[TracerUnderTest]) -> Vec<CaseResult> {
     tracers.iter().map(result).collect()
 }
 
-/// Compares the random lenses of these numbers, with a hundred rays each, with the reference, for every tracer.
+/// Compares the rays of the random lenses of these numbers, a hundred rays each, with the reference, for every tracer.
 pub fn against_reference(kind: Kind, numbers: Range<u64>, tracers: &[TracerUnderTest]) -> Vec<CaseResult> {
     let mut worst = none_yet(kind, tracers);
     for case in numbers.map(|number| kind.case(number)) {
@@ -257,7 +257,8 @@ pub struct Survey {
     pub rays: u64,
     /// Rays that passed.
     pub passed: u64,
-    /// Rays that are not finite, whose direction is not a unit vector, or whose weight is not finite and positive.
+    /// Rays that are not finite, that have a direction of another length than 1, or that have a weight that is not
+    /// finite and positive.
     pub unsound: Vec<Failure>,
 }
 
@@ -283,13 +284,13 @@ impl Survey {
 /// Name of random cameras, before their number.
 const CAMERA: &str = "random camera";
 
-/// Returns the number of the random camera with that name, if it is one.
+/// Returns the number of the random camera of this name; `None` if the name is not that of a random camera.
 pub fn camera_number(name: &str) -> Option<u64> {
     name.strip_prefix(CAMERA)?.trim().parse().ok()
 }
 
-/// Traces `rays` samples through each of the random lenses of these numbers in a camera, alternately in single and
-/// double precision, and one by one and in blocks. Every ray that leaves must be finite with a unit direction and a
+/// Traces `rays` samples through a camera with each of the random lenses of these numbers, alternately in single and
+/// double precision, and one by one and in blocks. Every ray that leaves must be finite, with a unit direction and a
 /// finite, positive weight. The same rays also go through the tracer alone, in double precision.
 pub fn through_cameras(numbers: Range<u64>, rays: usize) -> Survey {
     let mut survey = Survey::default();
@@ -313,7 +314,7 @@ pub fn through_cameras(numbers: Range<u64>, rays: usize) -> Survey {
             }
             survey.rays += count as u64;
             for i in 0..count {
-                // A block's ray exists if its weight is not 0; a NaN weight must not hide it.
+                // A ray of a block exists if its weight is not 0; a NaN weight must not hide the ray.
                 let (WorldRay { origin, direction, .. }, weight) = out.numbers(i);
                 if weight == 0.0 {
                     continue;
@@ -344,7 +345,7 @@ pub fn through_cameras(numbers: Range<u64>, rays: usize) -> Survey {
     survey
 }
 
-/// Returns a sample of random numbers over their whole ranges, including the ends.
+/// Returns a sample of random numbers from their whole ranges, including the ends.
 fn random_sample(random: &mut Random) -> Sample {
     let mut number = || match random.random::<f64>() {
         zero if zero < 0.01 => 0.0,

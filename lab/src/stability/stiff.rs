@@ -1,5 +1,5 @@
-//! Ill-conditioned lenses whose answer the reference gives, telescopes and balls in a row: they amplify small
-//! changes of a ray a million times and more.
+//! Ill-conditioned lenses whose answer the reference gives: telescopes in a row, and balls in a row, which amplify
+//! small changes of a ray a million times and more.
 
 use realistic_optics::trace::{Direction::SceneToFilm, Ray};
 
@@ -8,8 +8,8 @@ use super::{
     lenses::{Row, SIDES, lens, parallel},
 };
 
-/// Telescopes in a row, each magnifying angles ten times and a tenth of the size of the previous one: three
-/// reach 1e3, eight 1e8.
+/// Telescopes in a row. Each magnifies angles ten times and is a tenth of the size of the previous one: three reach a
+/// magnification of 1e3, eight 1e8.
 pub fn telescopes() -> Vec<Case> {
     let mut cases = Vec::new();
     for stages in [1, 3, 6, 8] {

@@ -10,8 +10,8 @@ use crate::{
     reference::condition::Norm,
 };
 
-/// Default bound on error / (condition x epsilon). An index step from 4, the highest here, to 1 forms n'² - n² cos² I
-/// with 16 times the rounding of the result; at ordinary glass the ratio is below 1.
+/// Default bound on error / (condition x epsilon). At an index step from 4, the highest index here, to 1, n'² - n² cos²
+/// I has 16 times the rounding error of the result; at ordinary glass the ratio is below 1.
 pub const BOUND: f64 = 16.0;
 
 /// A tracing method under test.
@@ -19,30 +19,30 @@ pub const BOUND: f64 = 16.0;
 pub struct TracerUnderTest {
     /// Name in tables.
     pub name: &'static str,
-    /// Machine epsilon of its number type.
+    /// Machine epsilon of the method's number type.
     pub epsilon: f64,
     /// Bound on error / (condition x epsilon).
     pub bound: f64,
-    /// Norm of its rounding of points.
+    /// Norm of the method's rounding of points.
     pub norm: Norm,
-    /// Name of the first tracer that returns the same bits; its own name if it is the first.
+    /// Name of the first tracer that returns the same bits as this one, which may be this one itself.
     pub like: &'static str,
     method: &'static Method,
 }
 
 /// Bound of two of the lecture's methods, which are not backward stable at grazing incidence on a surface between
-/// nearly equal media. Whitted's divides by cos I and takes the difference of squares. Heckbert's computes cos I' from
-/// 1 - η² (1 - cos² I), where the rounding of 1 - cos² I is ε however small the result: the direction error is ε/(2 cos
-/// I'). A ray that such a surface does not bend has the condition number √5, one for the entry and two for the
-/// interface, so that the ratio is 0.22/cos I'. The bound corresponds to cos I' = 2.2e-4, which about one in ten
-/// million random rays reaches. At an index step cos I' is equally ill-conditioned, and every method's ratio is of
-/// order one.
+/// nearly equal media. Whitted's method divides by cos I and takes the difference of squares. Heckbert's method
+/// computes cos I' from 1 - η² (1 - cos² I), where the rounding error of 1 - cos² I is ε however small the result: the
+/// direction error is ε/(2 cos I'). A ray that such a surface does not bend has the condition number √5, from one
+/// disturbance for the entry and two for the interface, so that the ratio is 0.22/cos I'. The bound corresponds to cos
+/// I' = 2.2e-4, which about one in ten million random rays reaches. At an index step cos I' is equally ill-conditioned,
+/// and every method's ratio is of order one.
 const GRAZING_BOUND: f64 = 1e3;
 
-/// Bound of the compiled kernels. They intersect a strongly curved surface without a division, which leaves an error of
-/// the distance of rounding size times the surface's radius: up to 26 times the index and the clear semi-diameter,
-/// beyond which the division is done. This gives a ratio of 19 in 10 000 random lenses, and 23, twice above 20, in 120
-/// 000 others; the named cases stay below 7.
+/// Bound of the compiled kernels. They intersect a strongly curved surface without a division, so the distance has an
+/// error of rounding size times the surface's radius. This holds up to a radius of 26 times the index and the clear
+/// semi-diameter; beyond, they divide. The ratio reaches 19 in 10 000 random lenses, and 23 in 120 000 others, where it
+/// exceeds 20 twice; in the named cases it stays below 7.
 const KERNEL_BOUND: f64 = 24.0;
 
 /// Returns the tracers that this processor can run.
@@ -51,7 +51,7 @@ pub fn tracers() -> Vec<TracerUnderTest> {
 }
 
 impl TracerUnderTest {
-    /// Returns the tracer of a method; `None` for methods that are not exact, duplicates of another, or not supported
+    /// Returns the tracer of a method; `None` for a method that is not exact, duplicates another, or is not supported
     /// by this processor.
     fn of(method: &'static Method) -> Option<Self> {
         let (epsilon, one) = match method.number {
@@ -72,8 +72,8 @@ impl TracerUnderTest {
         Some(Self { name: method.name, epsilon, bound, norm, like, method })
     }
 
-    /// Returns the rays after the lens that pass. `None` for a kernel if the rays come from a medium other than air,
-    /// which no lens file describes and no kernel supports.
+    /// Returns, for rays that pass, the ray after the lens. `None` for a kernel if the rays come from a medium other
+    /// than air, which no lens file describes and no kernel supports.
     pub fn trace(&self, lens: &Lens, direction: Direction, rays: &[Ray]) -> Option<Vec<Option<Ray>>> {
         let before = match direction {
             Direction::FilmToScene => lens.rear().n_film,

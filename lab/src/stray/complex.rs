@@ -45,7 +45,7 @@ impl C {
         C(size * self.0.cos(), size * self.0.sin())
     }
 
-    /// Returns the square root of a real number, positive or positive imaginary.
+    /// Returns the square root of a real number: positive, or on the positive imaginary axis.
     pub fn root(square: f64) -> C {
         if square >= 0.0 { C(square.sqrt(), 0.0) } else { C(0.0, (-square).sqrt()) }
     }

@@ -1,10 +1,10 @@
-//! The fate of the light that enters a lens, by brute force: photons that every surface randomly reflects or transmits,
-//! in any order of surfaces, until they reach the film, leave, or end at the barrel.
+//! The fate of the light that enters a lens, by brute force. Every surface randomly reflects or transmits photons, in
+//! any order of surfaces, until they reach the film, leave the lens, or end at the barrel.
 //!
-//! It shares nothing with the library but the surfaces' data: rays are vectors, each photon has an electric field in
-//! space, and the amplitudes of a surface follow Airy's sum. It includes all orders of reflection, and so measures what
-//! the library's two reflections leave out. Aspheres are intersected by Newton's method from the vertex plane.
-//! Interference occurs between the faces of a film but not between surfaces.
+//! This trace shares nothing with the library but the surfaces' data: rays are vectors, each photon has an electric
+//! field in space, and the amplitudes of a surface follow Airy's sum. It includes all orders of reflection, and so
+//! measures the light that the library leaves out by stopping at two reflections. Aspheres are intersected by Newton's
+//! method from the vertex plane. Interference occurs between the faces of a film but not between surfaces.
 
 mod complex;
 mod surface;
@@ -22,19 +22,19 @@ use realistic_optics::{
 /// The fates of the photons that enter a lens, as shares.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Balance {
-    /// Reach the film without a reflection.
+    /// Photons that reach the film without a reflection.
     pub direct: f64,
-    /// Reach the film after two reflections.
+    /// Photons that reach the film after two reflections.
     pub two: f64,
-    /// Reach the film after four or more reflections.
+    /// Photons that reach the film after four or more reflections.
     pub more: f64,
-    /// Reach the film's plane outside the film.
+    /// Photons that reach the film's plane outside the film.
     pub beside: f64,
-    /// End at mounts, stop or barrel.
+    /// Photons that end at mounts, stop or barrel.
     pub blocked: f64,
-    /// Return to the scene.
+    /// Photons that return to the scene.
     pub back: f64,
-    /// Absorbed in glass.
+    /// Photons that are absorbed in glass.
     pub absorbed: f64,
     /// Number of photons that entered.
     pub photons: u32,
@@ -60,8 +60,9 @@ type V = [f64; 3];
 /// Reflections after which a photon is abandoned; at most 1e-40 of the light remains.
 const MOST: u32 = 60;
 
-/// Follows photons of a lamp at infinity in the direction `toward` (from the lens, any length) until `photons` of them
-/// have met the front surface inside its clear aperture. The film is a disk of the radius `spot` at z = `plane`, mm.
+/// Follows photons of a lamp at infinity in the direction `toward` (from the lens; the vector may have any length)
+/// until `photons` of them have met the front surface inside its clear aperture. The film is a disk of radius `spot` at
+/// z = `plane`; both are in mm.
 pub fn balance(
     lens: &Lens,
     film: Film,
@@ -89,7 +90,7 @@ pub fn balance(
             let here = radius * (x * across[k] + y * up[k] + 3.0 * toward[k]);
             if k == 2 { here + middle } else { here }
         });
-        // Unpolarised: uniform over the directions perpendicular to the ray.
+        // The light is unpolarised: the field is uniform over the directions perpendicular to the ray.
         let field: [C; 3] = std::array::from_fn(|k| C(angle.cos() * across[k] + angle.sin() * up[k], 0.0));
         let Some(end) = follow(lens, film, at, toward.map(|x| -x), field, plane, &mut random) else {
             continue;
@@ -121,7 +122,7 @@ fn follow(
     random: &mut Xoshiro256PlusPlus,
 ) -> Option<End> {
     let last = lens.surfaces.len();
-    // `gap` is the photon's medium: the space before surface `gap`.
+    // `gap` numbers the photon's medium: the space before surface `gap`.
     let (mut gap, mut reflections) = (0, 0);
     let mut has_entered = false;
     loop {
@@ -146,7 +147,7 @@ fn follow(
         let Some(point) = inside else {
             return has_entered.then_some(End::Blocked);
         };
-        // The medium of a gap is that behind the previous surface; nothing is absorbed in front of the lens.
+        // The medium of a gap is the one behind the previous surface; nothing is absorbed in front of the lens.
         let absorption = if has_entered && gap > 0 { lens.surfaces[gap - 1].absorption } else { 0.0 };
         let step: V = std::array::from_fn(|k| point[k] - at[k]);
         if absorption > 0.0 && random.random::<f64>() > (-absorption * dot(step, step).sqrt()).exp() {
@@ -198,7 +199,8 @@ fn follow(
             d = unit(next);
             if is_reflected {
                 reflections += 1;
-                // Beyond 90 degrees: the photon meets the same surface again, near its edge, or the barrel.
+                // The photon has turned by more than 90 degrees: it meets the same surface again, near its edge, or the
+                // barrel.
                 if (d[2] < 0.0) == forward || reflections > MOST {
                     return Some(End::Blocked);
                 }
@@ -212,18 +214,18 @@ fn follow(
     }
 }
 
-/// Returns the intersection, ahead of the ray, with the sheet of a sphere, or plane, at its vertex.
+/// Returns the intersection ahead of the ray with a plane, or with the sheet of a sphere at its vertex.
 fn hit(at: V, d: V, c: f64, vertex: f64) -> Option<V> {
     let q = [at[0], at[1], at[2] - vertex];
     let (b, f) = (c * dot(q, d) + d[2], c * dot(q, q) + 2.0 * q[2]);
     let root = (b * b - c * f).sqrt();
     let t = -f / (b + root * d[2].signum());
-    // A reflected photon may begin on its next surface, where edges touch.
+    // A reflected photon may start on its next surface, where the edges of two surfaces touch.
     (root.is_finite() && t > -1e-9).then(|| std::array::from_fn(|k| at[k] + t * d[k]))
 }
 
-/// Returns the sagitta of an asphere at a distance from the axis, positive toward the film, and its slope there: the
-/// conic c r²/(1 + √(1 - (1 + k) c² r²)) and the terms of r^i.
+/// Returns the sagitta of an asphere at a distance from the axis, positive toward the film, and the slope there. The
+/// sagitta is the conic's c r²/(1 + √(1 - (1 + k) c² r²)) plus the terms of r^i.
 fn sag(asphere: &Asphere, r: f64) -> [f64; 2] {
     let c = if asphere.radius.is_finite() { asphere.radius.recip() } else { 0.0 };
     let root = (1.0 - (1.0 + asphere.conic) * c * c * r * r).sqrt();
@@ -235,7 +237,7 @@ fn sag(asphere: &Asphere, r: f64) -> [f64; 2] {
     [sag, slope]
 }
 
-/// Returns the intersection with an asphere, as [`hit`] does with a sphere, by Newton's method.
+/// Returns the intersection with an asphere, found by Newton's method; conditions are those of [`hit`].
 fn hit_asphere(at: V, d: V, asphere: &Asphere, vertex: f64) -> Option<V> {
     let mut t = (vertex - at[2]) / d[2];
     for _ in 0..40 {

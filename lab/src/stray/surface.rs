@@ -6,7 +6,7 @@ use super::complex::C;
 /// The film on every surface between air and glass: its index and its thickness, nm.
 pub type Film = Option<(f64, f64)>;
 
-/// Returns r and t of the field, s or p, between media with these indices and cosines.
+/// Returns the amplitudes r and t of the field, s or p polarised, between media with these indices and cosines.
 fn fresnel(n: f64, cos: C, n_behind: f64, cos_behind: C, is_p: bool) -> [C; 2] {
     let scaled = |index: f64, cos: C| C(index, 0.0) * cos;
     let (a, b) = if is_p {
@@ -18,8 +18,8 @@ fn fresnel(n: f64, cos: C, n_behind: f64, cos_behind: C, is_p: bool) -> [C; 2] {
     [(a - b).over(a + b), twice.over(a + b)]
 }
 
-/// Returns r and t of a surface at a cosine of incidence, t scaled so that its square is the transmitted power; for s,
-/// or for p by the field along s × k.
+/// Returns the amplitudes r and t of a surface at a cosine of incidence; t is scaled so that its square is the
+/// transmitted power. They are for s, or for p with the field along s × k.
 pub fn amplitudes(n: f64, film: Film, n_behind: f64, cos: f64, wavelength: f64, is_p: bool) -> [C; 2] {
     let inside = |index: f64| C::root(1.0 - (n / index).powi(2) * (1.0 - cos * cos));
     let (first, behind) = (C(cos, 0.0), inside(n_behind));

@@ -1,5 +1,5 @@
-//! Rays as a camera requests them: from anywhere on its film to its sampled pupil, including rays that an aperture
-//! blocks.
+//! Rays as a camera requests them: from anywhere on the camera's film to its sampled pupil, including rays that an
+//! aperture blocks.
 
 use std::collections::BTreeMap;
 
@@ -23,8 +23,8 @@ enum SampledPupil {
 pub struct CameraSamples<'a> {
     subject: &'a Subject,
     pupil: SampledPupil,
-    /// Surfaces other than the front, numbered from the scene, whose apertures block samples and must be part of
-    /// polynomials.
+    /// Surfaces whose apertures block samples and must be part of polynomials, numbered from the scene; the front
+    /// surface is not among them.
     pub apertures: Vec<usize>,
 }
 
@@ -36,12 +36,13 @@ const OVERLOOKED: f64 = 5e-5;
 const PATIENCE: usize = 1000;
 
 impl<'a> CameraSamples<'a> {
-    /// Samples a camera's default, the true pupil: very few rays are blocked.
+    /// Samples the true pupil, a camera's default: very few rays are blocked.
     pub fn of_warped(subject: &'a Subject) -> Self {
         Self::of(subject, SampledPupil::Warped(Box::new(subject.warped_pupil())))
     }
 
-    /// Samples the rear element's disk, as a camera with `pupil=rear`: the lens's own apertures cause the vignetting.
+    /// Samples the rear element's disk, as a camera with `pupil=rear` does, so that the lens's own apertures cause the
+    /// vignetting.
     pub fn of_rear(subject: &'a Subject) -> Self {
         Self::of(subject, SampledPupil::Rear(subject.rear))
     }

@@ -1,4 +1,4 @@
-//! Rays from a film in the kernels' batch form, and their results: converts single [`Ray`]s to the arrays of
+//! Rays from a film in the kernels' batch form, and their results. Converts single [`Ray`]s to the arrays of
 //! [`PlaneRays`] and [`LensRays`], and back. Timings, fits and tests of batches hold their rays here.
 
 use realistic_optics::trace::{Ray, Real};
@@ -16,7 +16,7 @@ pub struct FilmRays<S> {
 }
 
 impl<S: Real> FilmRays<S> {
-    /// Holds these rays, which start from `plane` toward +z.
+    /// Holds these rays, which start in the plane z = `plane` and travel toward +z.
     pub fn new(plane: f64, rays: &[Ray]) -> Self {
         let column = |of: fn(&Ray) -> f64| rays.iter().map(|ray| S::from_f64(of(ray))).collect();
         let from = [

@@ -1,8 +1,7 @@
-//! Rays in double precision and of any origin through the kernel, as programs supply them.
+//! Rays in double precision and from any origin through the kernel, as programs supply them.
 //!
-//! A camera passes rays from its film to the kernel, in the kernel's own precision. The rays here may start far
-//! away; they are moved near the lens first, so that the kernel's precision resolves the lens and not the
-//! distance.
+//! A camera passes rays from its film to the kernel, in the kernel's own precision. The rays here may start far away.
+//! They are first moved near the lens, so that the kernel's precision is spent on the lens and not on the distance.
 
 use realistic_base::numeric::unit;
 use realistic_optics::{
@@ -12,8 +11,8 @@ use realistic_optics::{
 use realistic_simd::Simd;
 use realistic_trace::kernel::{Kernel, KernelScalar, PlaneRays, RayBuffer, Traced};
 
-/// Squared cosine of the angle to the axis below which a ray meets the first vertex plane too far from the axis
-/// to start there.
+/// Squared cosine of a ray's angle to the axis. If the square is smaller, the ray meets the first vertex plane too far
+/// from the axis to start there.
 const STEEP: f64 = 0.01;
 
 /// A compiled lens that traces single [`Ray`]s.
@@ -46,7 +45,8 @@ impl<S: KernelScalar + Real> KernelRays<S> {
             Direction::SceneToFilm => (lens.front(), -1.0),
         };
         let path = Path::new(lens, direction, Refraction::Fused);
-        // In front of all of the surface: an asphere that is concave toward the light may be deeper than wide.
+        // The start lies in front of the whole surface: an asphere that is concave toward the light may be deeper than
+        // wide.
         let [low, high] = first.sagitta_range();
         let depth = if travel_sign > 0.0 { -low } else { high };
         let near = first.semi_diameter.max(1.001 * depth);
@@ -114,8 +114,8 @@ impl<S: KernelScalar + Real> KernelRays<S> {
         self.kernel.reason(ray)
     }
 
-    /// Returns the ray as one from a plane: through its own origin, or near the lens for a distant ray. `None`
-    /// if it travels along the first vertex plane, or away from it.
+    /// Returns the ray as one from a plane: the plane through the ray's own origin, or a plane near the lens for a
+    /// distant ray. `None` if the ray travels along the first vertex plane, or away from it.
     fn on_plane(&self, ray: &Ray) -> Option<FromPlane> {
         let travel_sign = self.travel_sign;
         let direction = unit(ray.direction);
@@ -142,7 +142,7 @@ impl<S: KernelScalar + Real> KernelRays<S> {
         let direction = unit(ray.direction);
         let (entry, moved) = self.path.to_entry(*ray);
         let size = entry.iter().map(|x| x * x).sum::<f64>().sqrt() + self.near;
-        // A NaN stays as it is, and the ray is blocked.
+        // A NaN is left as it is, and the ray is blocked.
         if !(moved > 4.0 * size) {
             return Ray { direction, ..*ray };
         }
@@ -201,8 +201,8 @@ mod tests {
                     for outcomes in [ones, traced.in_place(&rays)] {
                         for (ray, got) in rays.iter().zip(outcomes) {
                             let exact = path.trace(*ray);
-                            // None of these rays passes within rounding of an edge, where the kernel and the
-                            // reference may disagree.
+                            // None of these rays passes so near an edge that the kernel and the reference may disagree
+                            // because of rounding.
                             assert_eq!(got.is_some(), exact.is_ok(), "{name} {ray:?}");
                             let (Ok(exact), Some(got)) = (exact, got) else { continue };
                             passed += 1;

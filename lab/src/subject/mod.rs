@@ -1,4 +1,4 @@
-//! A lens with the film that it is evaluated on, and rays between the two.
+//! A lens with the film on which it is evaluated, and rays between the two.
 
 mod camera_samples;
 mod film_rays;
@@ -28,7 +28,7 @@ use realistic_trace::{image_scale::ImageScale, polynomial::Polynomial};
 /// A lens focused at infinity on a film.
 #[derive(Clone, Debug)]
 pub struct Subject {
-    /// The lens at the d line and the file's stop.
+    /// The lens at the d line, with the stop of its file.
     pub lens: Lens,
     /// The film.
     pub film: Film,
@@ -42,7 +42,7 @@ pub struct Subject {
     pub exit: PupilDisk,
     /// The image's scale over the film.
     pub scale: ImageScale,
-    /// The exact rays, in double precision.
+    /// The exact tracer, in double precision.
     pub path: Path<f64>,
 }
 
@@ -68,7 +68,7 @@ impl Subject {
     /// Builds [`Subject::new`] with the stop at f/8 ([`STOPPED_DOWN`]).
     ///
     /// # Errors
-    /// Those of [`Subject::new`].
+    /// The errors of [`Subject::new`].
     pub fn stopped_down(prescription: &Prescription) -> Result<Self, FocusError> {
         let mut lens = Lens::at_d_line(prescription);
         let first_order = FirstOrder::of(&lens)?;
@@ -95,15 +95,15 @@ impl Subject {
         passing_rays(&self.path, self.film_z, self.film.diagonal() / 2.0, self.rear, count, seed)
     }
 
-    /// Returns the distance on film, in pixels, between the film points of `exact` and of `other`; `from` is the ray on
-    /// the film's side that `exact` belongs to.
+    /// Returns the distance on film, in pixels, between the film points of `exact` and of `other`; `from` is the
+    /// film-side ray from which `exact` was traced.
     pub fn pixels(&self, from: &Ray, exact: &Ray, other: &Ray) -> f64 {
         let [x, y, _] = from.origin;
         self.scale.film_error([x, y], exact, other) / self.film.pixel()
     }
 
-    /// Fits polynomials of an order (3, 5, ... 11) to 2000 of the subject's own rays, including the ray's position at
-    /// the apertures of these surfaces, numbered from the scene.
+    /// Fits polynomials of an order (3, 5, ... 11) to 2000 of the subject's own rays, including the positions of the
+    /// rays at the apertures of the given surfaces, numbered from the scene.
     pub fn fit(&self, order: usize, apertures: &[usize]) -> Polynomial {
         Polynomial::with_apertures(&self.lens, self.film_z, &self.rays(FIT_RAYS, 0), order, apertures)
             .expect("the rays are spread over film and pupil")

@@ -13,9 +13,9 @@ use super::quasirandom::spread;
 /// Maximum samples per passing ray.
 const PATIENCE: usize = 4000;
 
-/// Returns `count` rays that pass `path` from the film disk of radius `reach` mm at `film` (z in lens space),
-/// uniform in film area and in slopes over the pupil, sampled in `cover`. Another `seed` gives other rays.
-/// Returns fewer if hardly any light passes.
+/// Returns `count` rays that pass `path`, from the film disk of radius `reach` mm at `film` (z in lens space). They are
+/// uniform in film area, and in slopes over the pupil, which is sampled in `cover`. Another `seed` gives other rays.
+/// Returns fewer rays if hardly any light passes.
 pub fn passing_rays<R: Real>(
     path: &Path<R>,
     film: f64,

@@ -1,8 +1,8 @@
 //! Quasi-random points, spread evenly over the unit cube.
 
-/// Returns points of the `N`-dimensional unit cube, nearly evenly spread: the additive recurrence whose steps
-/// are the powers of 1/g, where g > 1 and g^(N + 1) = g + 1 (M. Roberts, "The Unreasonable Effectiveness of
-/// Quasirandom Sequences", 2018). Another `shift` gives other points.
+/// Returns points of the `N`-dimensional unit cube, nearly evenly spread, by the additive recurrence whose steps are
+/// the powers of 1/g, where g > 1 and g^(N + 1) = g + 1 (M. Roberts, "The Unreasonable Effectiveness of Quasirandom
+/// Sequences", 2018). Another `shift` gives other points.
 pub fn spread<const N: usize>(shift: f64) -> impl Iterator<Item = [f64; N]> {
     let steps = steps();
     (0_u32..).map(move |number| steps.map(|step| (shift + (f64::from(number) + 0.5) * step).fract()))
@@ -10,7 +10,7 @@ pub fn spread<const N: usize>(shift: f64) -> impl Iterator<Item = [f64; N]> {
 
 /// Returns the powers of 1/g, the steps of the coordinates.
 pub fn steps<const N: usize>() -> [f64; N] {
-    // The iteration's error shrinks by more than a factor of 1/(N + 1) each time.
+    // Every iteration reduces the error by more than a factor of N + 1.
     let g = (0..60).fold(1.5_f64, |g, _| (g + 1.0).powf(1.0 / (N as f64 + 1.0)));
     std::array::from_fn(|i| g.powi(-(i as i32 + 1)))
 }

@@ -1,10 +1,10 @@
 //! Tasks timed in turns.
 //!
-//! Every task is timed in pairs with the first one, right after it, in rounds that alternate between forward
-//! and backward order. Its time is the median of the ratios times the median of the first task's times. All
-//! times are CPU times of this thread. A drifting clock rate or a temporary load affects both measurements of
-//! a pair. Each measurement repeats its task for at least a given time; a warm-up determines the number of
-//! repetitions.
+//! Each task is timed in pairs with the first task, right after it, in rounds that alternate between forward and
+//! backward order. The time of a task is the median of its ratios to the first task times the median of the first
+//! task's times. All times are CPU times of this thread. A drifting clock rate or a temporary load affects both
+//! measurements of a pair. In each measurement, the task is repeated for at least a given time; a warm-up determines
+//! the number of repetitions.
 
 use std::time::Duration;
 
@@ -32,7 +32,7 @@ pub struct Timing {
 }
 
 impl Timing {
-    /// Returns the time of one of `count` equal parts.
+    /// Returns the time of one part, if a call consists of `count` equal parts.
     pub fn per(self, count: usize) -> Self {
         let [median, low, high] = [self.median, self.low, self.high].map(|time| time / count as f64);
         Self { median, low, high }
@@ -66,7 +66,7 @@ impl<'a> Repeated<'a> {
     }
 }
 
-/// Times every task against the first, which is also timed against itself; returns no timings for no tasks.
+/// Times every task against the first, which is also timed against itself; without tasks, returns no timings.
 pub fn interleaved<'a>(
     tasks: impl IntoIterator<Item = Box<dyn FnMut() + 'a>>,
     effort: Effort,
@@ -74,7 +74,7 @@ pub fn interleaved<'a>(
     interleaved_within(tasks, effort, Duration::MAX)
 }
 
-/// Times as [`interleaved`] does, but starts no further round after `most`; runs at least one.
+/// Times tasks as [`interleaved`] does, but starts no further round after `most`; runs at least one round.
 pub fn interleaved_within<'a>(
     tasks: impl IntoIterator<Item = Box<dyn FnMut() + 'a>>,
     effort: Effort,

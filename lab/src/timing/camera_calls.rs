@@ -1,5 +1,5 @@
-//! The two kinds of camera calls whose times are compared, a block of samples in one call and one call per sample; and
-//! their samples.
+//! The two kinds of camera calls whose times are compared: one call for a block of samples, and one call per sample;
+//! and the samples for them.
 
 use std::hint::black_box;
 
@@ -9,7 +9,7 @@ use realistic_camera::{Raster, Rays, Sample, Samples};
 use crate::{BLOCK, subject::quasirandom::spread};
 
 /// Returns samples that are nearly evenly spread over an image, its pupils and the exposure time. Another `shift` gives
-/// others.
+/// other samples.
 pub fn samples(count: usize, Raster { xres, yres }: Raster, shift: f64) -> SampleColumns {
     let mut block = SampleColumns::new(count);
     let across = |share: f64, pixels: u32| (f64::from(pixels) * share) as f32;
@@ -28,7 +28,7 @@ pub fn in_one_call(samples: &SampleColumns, rays: impl FnOnce(&Samples<'_>, &mut
     black_box(&found);
 }
 
-/// Requests the rays of a block of samples one by one, each waiting for the previous one. `ray` generates one, and
+/// Requests the rays of a block of samples one by one, each waiting for the previous one. `ray` generates one ray and
 /// returns its weight.
 pub fn one_by_one(samples: &SampleColumns, ray: impl Fn(&Sample) -> Option<f32>) {
     let mut carry = 0.0;

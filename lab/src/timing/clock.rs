@@ -1,6 +1,6 @@
 //! The clock of run times: the CPU time of this thread.
 //!
-//! It equals wall time on an idle machine, and excludes the time of other processes on a busy one.
+//! This time equals wall time on an idle machine, and excludes the time of other processes on a busy one.
 
 use std::time::Duration;
 

@@ -20,8 +20,8 @@ impl<'a> Contest<'a> {
         }
     }
 
-    /// Prints each contestant's median and lower quartile per unit of work, in ns, and its speed-up over the
-    /// first; each contestant does `work` units. Returns the times per unit.
+    /// Prints each contestant's median and lower quartile of the time per unit of work, in ns, and its speed-up over
+    /// the first contestant; each contestant does `work` units. Returns the times per unit.
     pub fn print(self, unit: &str, work: usize, effort: Effort) -> Vec<Timing> {
         println!("| {unit} | median | lower quartile | times the first |\n|---|---|---|---|");
         let timings: Vec<Timing> =
@@ -34,14 +34,14 @@ impl<'a> Contest<'a> {
     }
 }
 
-/// Lenses of realistic size that supplement the catalogue: a name and a lens file, which states its source. Of 1,300
-/// patent lenses of an open collection half have at most 21 interfaces, nine in ten at most 33.
+/// Lenses of realistic size that supplement the catalogue: each has a name and a lens file, which states its source. Of
+/// 1,300 patent lenses in an open collection, half have at most 21 interfaces, and nine in ten at most 33.
 pub const LARGE_LENSES: [(&str, &str); 2] = [
     ("21 interfaces", concat!(env!("CARGO_MANIFEST_DIR"), "/../benches/lenses/split-gauss-21.dat")),
     ("33 interfaces", concat!(env!("CARGO_MANIFEST_DIR"), "/../benches/lenses/split-gauss-33.dat")),
 ];
 
-/// Command-line arguments of a bench: `--test` for a minimal run, and part of a lens's name.
+/// Command-line arguments of a bench: `--test` for a minimal run, and a part of a lens's name.
 #[derive(Clone, Debug)]
 pub struct BenchArguments {
     /// Duration of the timing.

@@ -1,5 +1,5 @@
-//! The set-up cost of a lens: the times to build a camera from its text and to find the first direction toward the
-//! camera.
+//! The set-up cost of a lens: the time to build a camera from the lens's text, and the time to find the first direction
+//! toward the camera.
 
 use realistic_camera::{Aimed, Camera, Host, Parameters, Raster, ScenePoint};
 
@@ -10,7 +10,7 @@ use super::clock;
 pub struct Cost {
     /// Time to build a camera.
     pub build: f64,
-    /// Time of its first direction toward the lens.
+    /// Time to find the camera's first direction toward the lens.
     pub first: f64,
 }
 
@@ -22,7 +22,7 @@ fn timed<T>(work: impl FnOnce() -> T) -> (f64, T) {
 }
 
 impl Cost {
-    /// Measures the cost of a lens's text; `None` if it does not make a camera.
+    /// Measures the cost of a lens's text; `None` if no camera can be built from it.
     pub fn of(text: &str) -> Option<Self> {
         let mut host = Host::new(Raster { xres: 300, yres: 200 }, None);
         host.lens_text = Some(("lens".to_owned(), text.as_bytes().to_vec()));

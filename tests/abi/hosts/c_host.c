@@ -4,7 +4,7 @@
 #define _POSIX_C_SOURCE 200809L
 #define REALISTIC_PBRT_ENTRY
 #include "realistic.h"
-#include "realistic.h" /* twice: tests the include guard */
+#include "realistic.h" /* included twice, to test the include guard */
 
 #include <dlfcn.h>
 #include <pthread.h>
@@ -81,7 +81,7 @@ static void load(const char *path) {
     resolve(library, "realistic_lens_focus", &api.lens_focus);
 }
 
-/* "status name NUMBER MESSAGE", the message on one line. */
+/* Prints "status name NUMBER MESSAGE", with the message on one line. */
 static void report(const char *what, realistic_status status) {
     char text[1024];
     snprintf(text, sizeof text, "%s", status == REALISTIC_STATUS_OK ? "" : api.last_error());
@@ -136,7 +136,7 @@ static void do_refusals(void) {
     realistic_options o;
     report("init-null", api.options_init(NULL, sizeof o));
     report("init-small", api.options_init(&o, 4));
-    /* More than any library knows, whatever the version of this header. */
+    /* The size is larger than any library knows, whatever the version of this header. */
     report("init-large", api.options_init(&o, 4096));
     refuse("options-null", NULL);
     o = options();
@@ -198,7 +198,7 @@ static void do_info(void) {
     realistic_options o = options();
     o.lens_file = "wide.22mm@35mm", o.film_distance = 40, o.film_diagonal = 20, o.fnumber = 8;
     realistic_camera *camera = build(&o);
-    /* One byte off: nothing needs to be aligned. */
+    /* The structure starts one byte off: nothing needs to be aligned. */
     union { double aligned; char bytes[sizeof(realistic_camera_info) + 1]; } space;
     realistic_camera_info info;
     memset(&info, 0xA5, sizeof info);
@@ -228,7 +228,7 @@ static void do_info(void) {
     api.camera_free(camera);
 }
 
-/* Prints the plan of a camera with a tolerance, one line per effect; the first call returns its length. */
+/* Prints the plan of a camera with a tolerance, one line per effect; the first call returns the plan's length. */
 static void do_plan(void) {
     int calls = 0;
     realistic_options o = options();
@@ -271,7 +271,8 @@ static void do_log(void) {
 typedef struct { realistic_sample sample; char rest[68]; } host_sample;
 
 static realistic_sample sample_at(unsigned i) {
-    /* The golden ratio's powers: a sequence that fills the cube of four numbers (M. Roberts's R4). */
+    /* The powers of the golden ratio's generalisation: a sequence that fills the cube of four numbers (M. Roberts's
+       R4). */
     realistic_sample s;
     double n = i + 0.5;
     s.image_x = (float)(46 * (n * 0.856674883854503 - (double)(long)(n * 0.856674883854503))) - 3;
@@ -354,7 +355,7 @@ static void compare(const realistic_camera *camera) {
     printf("sparse-weights %d\n", memcmp(out[9], weight, sizeof weight) != 0);
 }
 
-/* Whether a neighbour equals a separate call or, if that is blocked, the ray itself. */
+/* Whether a neighbour differs from the ray of a separate call or, if that ray is blocked, from the ray itself. */
 static int wrong_neighbour(const realistic_camera *camera, const realistic_sample *sample, const realistic_ray *own,
                            int has, const float *o, const float *d) {
     realistic_ray ray;
@@ -363,7 +364,7 @@ static int wrong_neighbour(const realistic_camera *camera, const realistic_sampl
     return passes != (has != 0) || memcmp(ray.o, o, sizeof ray.o) != 0 || memcmp(ray.d, d, sizeof ray.d) != 0;
 }
 
-/* A batch with neighbours, in structures or in separate arrays: `rx` and `ry` are their weights. */
+/* A batch with neighbours, in structures or in separate arrays; `rx` and `ry` are the neighbours' weights. */
 static realistic_request beside(realistic_ray_differential *rays, float *rx, float *ry, realistic_request request) {
     const ptrdiff_t step = sizeof *rays, number = sizeof(float);
     const realistic_output rx_o = {&rays->rx_o[0], &rays->rx_o[1], &rays->rx_o[2], step};
@@ -481,8 +482,8 @@ static void do_rays(void) {
     camera = build(&o);
     compare(camera);
     api.camera_free(camera);
-    /* A steep plano-convex lens reflects; a wide gap with small apertures lets rays miss the sphere. Its true pupil spares
-     * most of them. */
+    /* Rays are reflected in a steep plano-convex lens; a wide gap with small apertures lets rays miss the sphere. The
+     * true pupil of this lens excludes most of these rays. */
     o = options();
     o.lens_text = "0 6 1.9 30\n-8 3 1 15.9\n6 4 1.9 11.9\n0 0 1 30\n", o.lens_text_size = strlen(o.lens_text);
     o.film_distance = 6, o.film_diagonal = 20, o.pupil = "rear";
@@ -543,7 +544,7 @@ static double unasked(void *user, const realistic_ray *ray) {
     return 1000;
 }
 
-/* Numbers of elements that no memory or no machine has. */
+/* Numbers of elements for which no process has memory, or no machine has addresses. */
 static void do_counts(void) {
     realistic_options o = options();
     realistic_camera *camera = build(&o);
@@ -551,7 +552,7 @@ static void do_counts(void) {
     realistic_samples_soa soa_in = {in, in, in, in, in};
     realistic_rays_soa soa_out = {out, out, out, out, out, out, NULL, NULL, NULL, out, NULL};
     report("soa-endless", realistic_camera_generate_rays_soa(camera, SIZE_MAX / 4 - 1, &soa_in, &soa_out));
-    /* 4 PiB: one element lies where no process has memory; with structures, 36 PiB. */
+    /* 2^50 floats are 4 PiB, and 2^50 rays 36 PiB: no process has memory for all of them. */
     report("soa-many", realistic_camera_generate_rays_soa(camera, (size_t)1 << 50, &soa_in, &soa_out));
     realistic_sample sample = {20, 15, 0.5f, 0.5f, 0};
     realistic_ray ray = untouched();
@@ -586,7 +587,7 @@ struct work {
 
 static void *worker(void *argument) {
     struct work *work = argument;
-    /* A failure of this thread, then rays: its message is still the last one here. */
+    /* This thread's call fails, and rays follow: the message of the failure is still the last one here. */
     char name[32];
     snprintf(name, sizeof name, "lens-of-thread-%d", work->number);
     realistic_options o = options();

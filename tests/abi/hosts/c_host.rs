@@ -1,6 +1,6 @@
 //! The C ABI from a C99 program that uses only `include/realistic.h`.
 //!
-//! With `REALISTIC_VALGRIND=1` the first run of each action, in any host, uses valgrind.
+//! With `REALISTIC_VALGRIND=1`, the first run of each action, in any host, uses valgrind.
 
 use super::harness;
 
@@ -104,7 +104,7 @@ fn every_status_of_the_header_is_returned_or_reserved() {
     };
     assert_eq!(returned.len(), 10, "{returned:?}");
     for (number, name) in returned {
-        // Only a defect causes it: a unit test of the boundary provokes one.
+        // Only a defect causes this status: a unit test of the boundary provokes one.
         assert!(number == PANIC || seen(number), "{name} is never returned");
     }
 }
@@ -202,7 +202,7 @@ fn a_ray_with_differentials_is_three_rays() {
     for what in ["many", "soa"] {
         assert_eq!(report.all(what), ["0 "], "{what}");
     }
-    // Counts by existing neighbours: none, one to the right, one below, both; and no ray at all.
+    // Counts of rays by their neighbours: none, one to the right, one below, both; and the count of blocked rays.
     let counts: Vec<u32> = report.numbers("neighbours").into_iter().map(|count| count as u32).collect();
     assert_eq!(counts.iter().sum::<u32>(), 3000);
     assert!(counts[1] > 0 && counts[2] > 0 && counts[3] > 2000 && counts[4] > 0, "{counts:?}");
@@ -229,14 +229,14 @@ fn every_kind_of_request_gives_the_same_bits() {
         .into_iter()
         .map(|line| line.split(' ').map(|word| word.parse().unwrap()).collect())
         .collect();
-    // ok, missed, clipped, reflected, turned back, redraw: each occurs.
+    // The reasons are ok, missed, clipped, reflected, turned back and redraw: each occurs.
     for reason in 0..6 {
         assert!(counts.iter().any(|count| count[reason] > 0), "{reason}: {counts:?}");
     }
     for count in &counts {
         assert_eq!(count.iter().sum::<u32>(), 3000);
     }
-    // The area of a square is 4/π of its disk's.
+    // The area of a square is 4/π times that of its inscribed disk.
     assert!((f64::from(counts[1][5]) / 3000.0 - 0.2146).abs() < 0.02, "{counts:?}");
 }
 
@@ -252,7 +252,7 @@ fn null_foreign_and_empty_are_answered() {
     assert_status(&report, "no-samples", NULL, &["request.image.x is NULL"]);
     assert_status(&report, "no-rays", NULL, &["request.origin.x is NULL"]);
     assert_status(&report, "no-weights", NULL, &["request.weight.x is NULL"]);
-    // Overlapping structures.
+    // The structures overlap.
     assert_status(&report, "short-stride", PARAMETER, &["request.image.stride is 1", "at least 4 bytes"]);
     assert_status(&report, "short-ray", PARAMETER, &["request.origin.stride is 1", "at least 4 bytes"]);
     assert_status(&report, "overflow", PARAMETER, &["n is ", "no memory holds so many", "at a stride of"]);

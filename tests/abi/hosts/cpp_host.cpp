@@ -1,8 +1,8 @@
-// A C++11 host of realistic.hpp, linked with the library (REALISTIC_LINKED) or loading it; prints its results for
-// tests/abi/hosts/cpp_host.rs to check.
+// A C++11 host of realistic.hpp, which is linked with the library (REALISTIC_LINKED) or loads it, and prints its
+// results for tests/abi/hosts/cpp_host.rs to check.
 
 #include "realistic.hpp"
-#include "realistic.hpp" // twice: tests the include guard
+#include "realistic.hpp" // included twice, to test the include guard
 
 #include <cmath>
 #include <cstddef>
@@ -326,7 +326,7 @@ int main(int count, char **argument) {
     if (std::strcmp(argument[2], "wavelengths") == 0) wavelengths(functions);
     if (std::strcmp(argument[2], "importance") == 0) importance(functions);
 #ifdef REALISTIC_LINKED
-    // A linked program need not name the library.
+    // A linked program need not give the library's file.
     std::printf("linked %s\n", Owner(realistic::Options(4, 3)).lens_name().c_str());
 #endif
     return 0;

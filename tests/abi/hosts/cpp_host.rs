@@ -1,6 +1,6 @@
 //! `include/realistic.hpp` in a C++11 program, linked with the library and loading it at run time.
 //!
-//! With `REALISTIC_VALGRIND=1` the first run of each action, in any host, uses valgrind.
+//! With `REALISTIC_VALGRIND=1`, the first run of each action, in any host, uses valgrind.
 
 use super::harness;
 
@@ -89,7 +89,7 @@ fn a_lens_traces_without_a_film_and_autofocus_takes_a_function() {
         assert_eq!(report.one("points"), "13 1 0");
         assert_eq!(report.numbers("axis"), [0.0, 0.0, -1.0]);
         assert!(report.one("none").starts_with("3 surface 99: the lens has 13"));
-        // The plane lies 800 mm in front of the lens, and the film behind that.
+        // The plane lies 800 mm in front of the lens, and the film behind the lens.
         let focused = report.number("autofocus");
         assert!((800.0..1000.0).contains(&focused), "{focused}");
         assert_eq!(report.one("refused"), "for its film distance");
@@ -103,7 +103,7 @@ fn a_camera_has_importance() {
         let [first, ratio, image_x, unseen] = report.numbers("importance")[..] else {
             panic!("four numbers")
         };
-        // 1 over the film's area, of 28 x 21 mm.
+        // The first value is 1 over the area of the film, 28 x 21 mm.
         assert!((first * 28.0 * 21.0 - 1.0).abs() < 1e-5 && (ratio - 1.0).abs() < 1e-6, "{first} {ratio}");
         assert!((image_x - 20.0).abs() < 1.0 && unseen == 0.0, "{image_x} {unseen}");
         assert!(report.one("environment").starts_with("3 model \"environment\""));

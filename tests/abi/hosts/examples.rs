@@ -42,7 +42,7 @@ fn the_three_examples_make_one_picture_of_vignetting() {
 #[test]
 fn the_middle_pixel_of_the_example_is_as_wide_as_geometry_says() {
     let width = f64::from(host::pixel_width().expect("a ray"));
-    // A film of 35 mm across 80 pixels, behind a lens of 50 mm.
+    // The film is 35 mm wide in 80 pixels, behind a lens of 50 mm.
     let expected = 35.0 / 80.0 / 50.0 * 1e4;
     assert!((width / expected - 1.0).abs() < 0.02, "{width} against {expected}");
 }

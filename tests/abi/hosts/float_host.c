@@ -53,7 +53,7 @@ static void load(const char *path) {
     resolve(library, "realistic_autofocus", &api.autofocus);
 }
 
-/* The columns: pupil, disk, refraction, precision and shutter as in the options, NULL for the default. */
+/* The columns are pupil, disk, refraction, precision and shutter, as in the options; NULL means the default. */
 static const struct {
     const char *model, *lens_file, *pupil, *disk, *refraction, *precision, *shutter;
     double tolerance, fnumber, lens_radius;
@@ -103,7 +103,7 @@ static realistic_options options_of(size_t i) {
 static unsigned control_changed, flags_raised, passed, blocked;
 static unsigned control;
 
-/* Checks a call that must raise no flag at all. */
+/* Checks a call that must raise no floating-point flag at all. */
 static void quiet(realistic_status status) {
     flags_raised += fetestexcept(FE_ALL_EXCEPT) != 0;
     if (status != REALISTIC_STATUS_OK) {
@@ -130,7 +130,7 @@ static uint32_t random_bits(void) {
     return (uint32_t)((z ^ (z >> 31)) >> 32);
 }
 
-/* Within the picture, around it, or random bits: without arithmetic on values that may be NaN. */
+/* A number within the picture or around it, or random bits; without arithmetic on values that may be NaN. */
 static void number(float *to, float from, float size) {
     uint32_t any = random_bits();
     float within = from + size * ((float)(any >> 8) / 16777216.0f);
@@ -168,7 +168,7 @@ static double distance(void *user, const realistic_ray *ray) {
     return 3000;
 }
 
-/* One ray by every other call. */
+/* Generates one ray by every other call. */
 static void other_calls(const realistic_camera *camera, const realistic_sample *sample) {
     static const float four[4] = {450, 520, 610, 700};
     realistic_ray rays[4];
@@ -193,7 +193,7 @@ static void other_calls(const realistic_camera *camera, const realistic_sample *
     check_flags();
 }
 
-/* Every kind of call; `rays` single rays of each camera. */
+/* Makes every kind of call, with `rays` single rays of each camera. */
 static void every_call(unsigned long rays) {
     static realistic_sample samples[N];
     static realistic_ray many[N];
@@ -233,7 +233,7 @@ static void every_call(unsigned long rays) {
     printf("film %a\npassed %u\nblocked %u\ncontrol %u\nflags %u\n", film, passed, blocked, control_changed, flags_raised);
 }
 
-/* All bits of rays, weights and reasons, by single calls and by batches, with the same samples every time. */
+/* Hashes all bits of rays, weights and reasons, by single calls and by batches, with the same samples every time. */
 static void hash(const char *name) {
     static realistic_sample samples[N];
     static realistic_ray many[N];
@@ -255,7 +255,7 @@ static void hash(const char *name) {
         for (size_t b = 0; b < sizeof many; ++b) sum = (sum ^ ((unsigned char *)many)[b]) * 1099511628211ULL;
         for (size_t b = 0; b < sizeof reasons; ++b) sum = (sum ^ ((unsigned char *)reasons)[b]) * 1099511628211ULL;
         api.camera_free(camera);
-        /* Built once, in the default environment. */
+        /* The cameras are built once, in the default environment. */
         if (strcmp(name, "first") == 0)
             for (unsigned k = 0; k < N; ++k) samples[k] = random_sample();
     }

@@ -50,8 +50,8 @@ fn rounding_and_subnormal_numbers_are_the_hosts_own_business() {
 fn a_pbrt_host_in_which_exceptions_trap_renders() {
     let (_directory, plugin) = installed("realistic.so");
     for model in ["lens", "thick", "perspective", "environment"] {
-        // The rear element's disk is wider than the pupil: most rays are blocked, and the host receives
-        // substitutes.
+        // The rear element's disk is wider than the pupil: most rays are blocked, and the host receives substitute
+        // rays.
         let model = format!("string:model={model}");
         let arguments = ["traps=1", "string:pupil=rear", &model];
         let report = Run::bare(harness::host(Abi::New), &plugin, "render").with_all(arguments).run();

@@ -1,7 +1,7 @@
-//! Builds hosts in C and C++, the pbrt-v1 one for both `std::string` ABIs, and runs them with the plugin.
+//! Builds hosts in C and C++, the pbrt-v1 host for both `std::string` ABIs, and runs them with the plugin.
 //!
-//! With `REALISTIC_SANITIZE`, an argument of the compiler's `-fsanitize=`, they are built with that sanitizer,
-//! and with `REALISTIC_HOSTS_PLUGIN` they load that plugin: `.ci/sanitize` sets both.
+//! With `REALISTIC_SANITIZE`, an argument of the compiler's `-fsanitize=`, the hosts are built with that sanitizer;
+//! with `REALISTIC_HOSTS_PLUGIN` they load that plugin. `.ci/sanitize` sets both.
 
 use std::collections::BTreeSet;
 use std::env;
@@ -60,7 +60,7 @@ pub fn compile_with(
     let sanitizer = env::var("REALISTIC_SANITIZE").ok();
     let name = format!("{name}{}", sanitizer.as_deref().unwrap_or_default());
     let program = directory.join(&name);
-    // Write under another name first: two test processes may do this at once.
+    // Write under another name first: two test processes may compile the same program at once.
     let fresh = directory.join(format!("{name}-{}", process::id()));
     let output = Command::new(compiler)
         .args(flags)
@@ -119,8 +119,8 @@ pub fn installed(name: &str) -> (tempfile::TempDir, PathBuf) {
     (directory, copy)
 }
 
-/// Returns the command of a program, under valgrind if `REALISTIC_VALGRIND=1`. Only the first run of each action
-/// in any host uses valgrind, which takes fifty times as long.
+/// Returns the command of a program, under valgrind if `REALISTIC_VALGRIND=1`. Only the first run of each action in any
+/// host uses valgrind, under which a run takes fifty times as long.
 pub fn program(program: &Path, action: &str) -> Command {
     static SEEN: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
     let is_first = || SEEN.lock().unwrap().insert(action.to_owned());
@@ -158,7 +158,7 @@ impl Run {
         Self::of(host(abi), plugin, action)
     }
 
-    /// Builds a run as [`Run::new`] does, of any host.
+    /// Builds a run of any host, as [`Run::new`] does for the pbrt-v1 host.
     pub fn of(host: &Path, plugin: &Path, action: &str) -> Self {
         Self::by(program(host, action), plugin, action)
     }

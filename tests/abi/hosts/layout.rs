@@ -1,4 +1,4 @@
-//! Layouts of the C++ compiler against Rust's, and the plugin's exports.
+//! Layouts of structures in the C++ compiler against those in Rust, and the plugin's exports.
 
 use super::harness;
 
@@ -57,7 +57,7 @@ fn a_hosts_sample_and_ray_begin_with_ours() {
 
 #[test]
 fn the_test_host_has_the_measured_layouts() {
-    // Values from a pbrt 1.05 build, which `pbrt-shim/layout.hpp` asserts for the plugin's side.
+    // The values are from a pbrt 1.05 build; `pbrt-shim/layout.hpp` asserts them on the plugin's side.
     for abi in Abi::BOTH {
         let host = table(harness::host(abi));
         let measured: [(&str, &[usize]); 25] = [
@@ -116,7 +116,7 @@ fn the_c_structures_are_as_the_cpp_compiler_lays_them_out() {
         structure!(realistic_request: struct_size wavelengths_per_sample image lens time wavelength origin direction
             weight mint maxt ray_time reason reason_stride rx_origin rx_direction rx_weight ry_origin ry_direction
             ry_weight),
-        // One parameter of each kind, and the last: both sides have the parameters in the table's order.
+        // One parameter of each kind, and the last parameter: both sides have the parameters in the table's order.
         structure!(realistic_options: struct_size xres yres camera_to_world camera_to_world_end transform_start
             transform_end lens_text lens_text_size donor log log_user model lens_file simple_weighting crop lens_plane),
         structure!(realistic_camera_info: struct_size interfaces focal_length_mm fnumber film_distance

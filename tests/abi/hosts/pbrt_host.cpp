@@ -1,14 +1,13 @@
-// A host that behaves towards a camera plugin as pbrt 1.05 does, written from the
-// measured layouts and the order of calls. Compiled by the tests, once for each
-// std::string ABI, with its symbols exported as that renderer's are.
+// A host that behaves towards a camera plugin as pbrt 1.05 does, written from the measured layouts and the order of
+// calls. The tests compile it once for each std::string ABI, with its symbols exported like that renderer's.
 //
 // Arguments, in any order after the plugin's path and the action:
 //   float:NAME=1,2  integer:NAME=1  bool:NAME=true  string:NAME=a|b    the scene's parameters, and
-//   point:NAME=1,2,3  vector:, normal:, color: alike  texture:NAME=a    those of types that no camera looks up
+//   point:NAME=1,2,3  vector:, normal:, color: alike  texture:NAME=a    parameters of types that no camera looks up
 //   file=PATH of the scene  res=WxH  w2c=16 numbers  sample=x,y,u,v,time (many)  spp=N
-//   placements=N: how many, of the action of that name
+//   placements=N: number of placements, for the action of that name
 //   traps=1: floating-point exceptions trap
-// Prints one `key values…` a line; the tests read these.
+// Prints lines of the form `key values…`, which the tests read.
 
 #include <cfloat>
 #include <cmath>
@@ -109,7 +108,7 @@ std::ostream &operator<<(std::ostream &text, const Triple &triple) {
     return text << triple.x << ' ' << triple.y << ' ' << triple.z;
 }
 
-// As in a scene file, in the renderer's order.
+// The items are written as in a scene file, in the renderer's order.
 template <class T> void declare(std::ostream &text, const char *type, const Items<T> &items, const char *quote = "") {
     for (const Item<T> *item : items.list) {
         text << '"' << type << ' ' << item->name << "\" [";
@@ -133,7 +132,7 @@ std::string ParamSet::ToString() const {
     return text.str();
 }
 
-// The scene file being read.
+// The scene file that is being read.
 std::string current_file;
 
 struct Ray {
@@ -178,7 +177,7 @@ public:
         Pixel &pixel = pixels[std::size_t(y) * std::size_t(xResolution) + std::size_t(x)];
         pixel.radiance += radiance, pixel.alpha += alpha, pixel.count += 1;
     }
-    // The mean pixel; its colour is multiplied by its alpha, as in the renderer's image film.
+    // Prints the mean pixel, whose colour is multiplied by its alpha, as in the renderer's image film.
     void WriteImage() override {
         double radiance = 0, alpha = 0, premultiplied = 0;
         for (const Pixel &pixel : pixels) {
@@ -202,7 +201,7 @@ public:
     virtual ~Camera();
     Camera(const Transform &, float, float, float, float, Film *);
     Film *film;
-    // Not private as in the renderer: the tests read them.
+    // These members are not private, as they are in the renderer: the tests read them.
     Transform WorldToCamera, CameraToWorld;
     float ClipHither, ClipYon, ShutterOpen, ShutterClose;
 };
@@ -251,7 +250,7 @@ struct Doubles {
     double m[4][4];
 };
 
-// The inverse in double precision: elimination of [matrix | identity], column by column.
+// The inverse in double precision, by elimination of [matrix | identity], column by column.
 Doubles inverted(const Matrix4x4 &from) {
     double a[4][8] = {};
     for (int r = 0; r < 4; ++r)
@@ -273,9 +272,9 @@ Doubles inverted(const Matrix4x4 &from) {
 }
 
 // The inverse as the renderer computes it: by Gauss-Jordan elimination in place, in single precision. The pivot of each
-// step is the largest entry of the rows and columns without a pivot so far. A step solves the pivot's equation for its
-// unknown and inserts it into the others, so one unknown and one right side change places; at the end the rows and
-// columns are reordered.
+// step is the largest entry of the rows and columns that have had no pivot so far. A step solves the pivot's equation
+// for its unknown and inserts the result into the other equations, so that one unknown and one right side change
+// places; at the end the rows and columns are reordered.
 Matrix4x4 inverted_in_single_precision(const Matrix4x4 &from) {
     Matrix4x4 to = from;
     float (&a)[4][4] = to.m;
@@ -353,7 +352,7 @@ struct Plugin {
     Generate generate;
 };
 
-// As the renderer's rays before each call.
+// A ray with the content that the renderer's rays have before each call.
 Ray fresh_ray() { return Ray{{0, 0, 0}, {0, 0, 0}, 1e-3f, std::numeric_limits<float>::infinity(), 0}; }
 
 void print_ray(const char *key, float weight, const Ray &ray) {
@@ -378,7 +377,7 @@ double low_discrepancy(unsigned n, unsigned base) {
     return value;
 }
 
-// Radiance 1 in all directions, three camera calls per sample.
+// Renders a scene of radiance 1 in all directions, with three camera calls per sample.
 void render(const Camera *camera, const Plugin &plugin, int spp) {
     Film *film = camera->film;
     double irradiance = 0;
@@ -429,7 +428,7 @@ void render(const Camera *camera, const Plugin &plugin, int spp) {
                 zero, blocked, differentials, bad);
 }
 
-// Random numbers in [0, 1), the same in every run.
+// Random numbers in [0, 1), which are the same in every run.
 struct Random {
     std::uint64_t state = 1;
     double next() {
@@ -474,10 +473,10 @@ bool is_affine(const Matrix4x4 &matrix) {
     return matrix.m[3][0] == 0 && matrix.m[3][1] == 0 && matrix.m[3][2] == 0 && matrix.m[3][3] == 1;
 }
 
-// Cameras placed by random matrices: how far their rays are from those of a camera without placement, transformed to
-// the world by the camera-to-world matrix in double precision. A third are given as world to camera, like a scene's
-// matrix; a third as camera to world, like a scene's LookAt; a third as world to camera by two matrices, a
-// translation before the placement.
+// Cameras placed by random matrices: the distance of their rays from those of a camera without placement, transformed
+// to the world by the camera-to-world matrix in double precision. A third of the matrices are given as world to camera,
+// like a scene's matrix; a third as camera to world, like a scene's LookAt; and a third as world to camera by two
+// matrices, the placement preceded by a translation.
 void placements(const Plugin &plugin, const Request &request) {
     Random random;
     Matrix4x4 identity{1, {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}};
@@ -654,7 +653,7 @@ int main(int count, char **arguments) {
                     double(camera->ShutterOpen), double(camera->ShutterClose));
     }
     if (second != nullptr) {
-        // In turns, then the first again after the second is gone.
+        // The cameras are called in turns; then the first is called again after the second is gone.
         for (const Sample &sample : request.samples) {
             rays(camera, plugin, {sample});
             rays(second, plugin, {sample});

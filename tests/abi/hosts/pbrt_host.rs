@@ -1,6 +1,6 @@
 //! The plugin in a host that behaves like pbrt 1.05, for both `std::string` ABIs.
 //!
-//! With `REALISTIC_VALGRIND=1` the first run of each action, in any host, uses valgrind.
+//! With `REALISTIC_VALGRIND=1`, the first run of each action, in any host, uses valgrind.
 
 use super::harness;
 
@@ -112,8 +112,8 @@ fn every_ray_in_the_vtable_is_complete() {
 
 #[test]
 fn vignetting_is_not_applied_twice() {
-    // With uniform radiance 1, a pixel is the irradiance. If blocked samples had alpha 0 and the film premultiplied, it
-    // would be irradiance times the share that passes.
+    // With uniform radiance 1, a pixel is the irradiance. If blocked samples had alpha 0, and the film multiplied by
+    // alpha, the pixel would be the irradiance times the share that passes.
     for abi in Abi::BOTH {
         let report = run(abi, "render", &["string:pupil=rear", "spp=64"]);
         report.clean();
@@ -133,7 +133,7 @@ fn exported_generate_ray_refuses_what_is_not_ours() {
         let report = run(abi, "refusals", &[]);
         report.clean();
         let refused = report.rays("refused")[0];
-        // The ray is unchanged from the host's.
+        // The ray is as the host passed it.
         let mint = f64::from(1e-3_f32);
         assert_eq!((refused.weight, refused.time, refused.maxt), (0.0, 0.0, f64::INFINITY));
         assert_eq!((refused.o, refused.d), ([0.0; 3], [0.0; 3]));
@@ -162,7 +162,7 @@ fn two_cameras_do_not_know_each_other() {
 #[test]
 fn a_tolerance_is_a_float_of_the_scene_and_is_met() {
     // Lens samples of 0 and 1 lie on the edge of the map, slightly outside the pupil: there a ray that passes in one
-    // model may be blocked in the other. Slightly inside the edge, no ray is.
+    // model may be blocked in the other. Slightly inside the edge, no ray passes in one model only.
     let inside = |number: &str| match number {
         "0" => "0.005".to_owned(),
         "1" => "0.995".to_owned(),
@@ -201,22 +201,22 @@ fn transforms_place_the_rays() {
     let plain: Vec<&str> = samples.iter().map(String::as_str).collect();
     for abi in Abi::BOTH {
         let reference = run(abi, "rays", &plain).rays("vtable");
-        // World to camera, and camera to world as rows of three and the position.
+        // The world-to-camera transform; and the camera-to-world transform as rows of three, and the position.
         type Rows = [[f64; 3]; 3];
         let cases: [(&str, Rows, [f64; 3]); 3] = [
-            // Mirrored, determinant -1, as the host's LookAt makes it.
+            // A mirrored transform with determinant -1, as the host's LookAt makes it.
             (
                 "w2c=-1,0,0,2, 0,1,0,-3, 0,0,1,4, 0,0,0,1",
                 [[-1., 0., 0.], [0., 1., 0.], [0., 0., 1.]],
                 [2., 3., -4.],
             ),
-            // World units half as long.
+            // World units are half as long.
             (
                 "w2c=0.5,0,0,0, 0,0.5,0,0, 0,0,0.5,0, 0,0,0,1",
                 [[2., 0., 0.], [0., 2., 0.], [0., 0., 2.]],
                 [0., 0., 0.],
             ),
-            // Another scale on each axis.
+            // The scale differs on each axis.
             (
                 "w2c=1,0,0,0, 0,0.5,0,0, 0,0,4,8, 0,0,0,1",
                 [[1., 0., 0.], [0., 2., 0.], [0., 0., 0.25]],
@@ -244,7 +244,8 @@ fn transforms_place_the_rays() {
 
 #[test]
 fn every_matrix_places_a_camera_though_its_inverse_is_rounded() {
-    // Both transforms to the world, that of stock cameras and that of lenses; a lens takes longer to build.
+    // The models use both transforms to the world: that of stock cameras and that of lenses. A lens takes longer to
+    // build.
     for (model, count) in [("environment", 10_000), ("thick", 500), ("lens", 12)] {
         let arguments = [format!("string:model={model}"), format!("placements={count}")];
         let report = run(Abi::New, "placements", &arguments.each_ref().map(String::as_str));
@@ -273,7 +274,7 @@ fn a_projective_matrix_places_no_camera() {
 
 #[test]
 fn raster_right_and_down_are_right_and_down_in_the_scene() {
-    // The same lens samples, so that only the film point differs.
+    // The lens samples are the same, so that only the film point differs.
     for abi in Abi::BOTH {
         let lens = "0.5,0.5,0";
         let points = ["15,10", "25,10", "15,17"].map(|point| format!("sample={point},{lens}"));
@@ -345,8 +346,8 @@ fn every_error_about_parameters_is_reported() {
     assert_eq!(report.all("error").len(), 3);
 }
 
-/// World to camera of the course's scenes: they begin with `Scale 5000 5000 5000`, and then look along +z from (0,
-/// 0.03, -0.4).
+/// The world-to-camera transform of the course's scenes, which begin with `Scale 5000 5000 5000`, and then look
+/// from (0, 0.03, -0.4) along +z.
 const COURSE: &str = "w2c=5000,0,0,0, 0,5000,0,-150, 0,0,5000,2000, 0,0,0,1";
 /// The camera of such a scene.
 const COURSE_CAMERA: [&str; 4] = [
@@ -356,7 +357,7 @@ const COURSE_CAMERA: [&str; 4] = [
     "float:film_diagonal=35",
 ];
 
-/// Returns the z at which two rays cross that lie in one plane x = constant and begin at the same z.
+/// Returns the z at which two rays cross; they lie in one plane x = constant and begin at the same z.
 fn crossing(a: &Got, b: &Got) -> f64 {
     a.o[2] + (b.o[1] - a.o[1]) / (a.d[1] / a.d[2] - b.d[1] / b.d[2])
 }
@@ -388,7 +389,8 @@ fn a_scene_that_scales_the_world_has_the_lens_in_millimetres() {
 fn lengths_that_do_not_fit_a_scene_that_scales_are_reported() {
     let unscaled = run;
     let run = |given: &[&str]| unscaled(Abi::New, "rays", &[given, &[COURSE]].concat());
-    // A fifth of a world unit is a metre: the value that the message suggests is in focus there.
+    // A fifth of a world unit is a metre: with the value that the message suggests, the camera is in focus at that
+    // distance.
     run(&["float:focus_distance=0.2"]).refused(&[
         "cannot focus at 0.2 mm",
         "\"focus_distance\" 0.2 is in units of camera space",
@@ -403,11 +405,11 @@ fn lengths_that_do_not_fit_a_scene_that_scales_are_reported() {
         report.all("notice").iter().any(|text| text.ends_with("\"focus_distance\" 1000 is 0.2 world units"))
     );
     let rays = report.rays("vtable");
-    // A metre from the film, which is 71 mm behind the front vertex at z = -0.4.
+    // The distance is a metre from the film, which is 71 mm behind the front vertex at z = -0.4.
     let z = 5.0 * (crossing(&rays[0], &rays[1]) + 0.4);
     assert!((0.927..0.932).contains(&z), "{z} m");
 
-    // The length of a world unit, given twice.
+    // The length of a world unit is given twice.
     let twice = run(&["float:mm_per_unit=5000", "float:focus_distance=0.2"]);
     for words in [
         "a world unit is 5000 units of camera space of 5000 mm each, 2.5e7 mm",
@@ -415,7 +417,7 @@ fn lengths_that_do_not_fit_a_scene_that_scales_are_reported() {
     ] {
         assert!(twice.one("warning").contains(words), "{}", twice.out);
     }
-    // A unit that changes nothing.
+    // This unit changes nothing.
     run(&["integer:mm_per_unit=1", "float:focus_distance=1000"]).clean();
 
     // Clip distances in world units would hide everything.
@@ -541,7 +543,7 @@ fn a_lens_file_is_found_beside_the_scene_from_anywhere() {
                 .run()
         };
         run_with(&scenes.path().join("a.pbrt"), "scene.dat").clean();
-        // The message lists each directory once, and states which ones a plugin cannot see.
+        // The message lists each directory once, and states which directories a plugin cannot see.
         let message = format!(
             "no lens file \"none.dat\" in the working directory, {}, /nonexistent, {} (a scene's SearchPath cannot be seen \
              from a plugin), and no lens",
@@ -561,7 +563,7 @@ fn a_misspelt_parameter_is_reported_once() {
         let report = run(abi, "rays", &given);
         assert_eq!(report.one("camera"), "made");
         let ours = "realistic: no parameter is called \"flimdistance\"; did you mean \"film_distance\"?";
-        // Similar to no parameter, and the host's to report.
+        // This name resembles no parameter; the host reports it.
         assert_eq!(report.all("warning"), [ours, "Parameter \"foo\" not used"]);
         report.ended();
     }

@@ -10,7 +10,7 @@ use realistic::ffi::*;
 
 fn options() -> realistic_options {
     let mut options = MaybeUninit::<realistic_options>::zeroed();
-    // SAFETY: room for the whole structure.
+    // SAFETY: there is room for the whole structure.
     unsafe {
         let size = size_of::<realistic_options>() as u32;
         assert_eq!(realistic_options_init(options.as_mut_ptr(), size), realistic_status::Ok);
@@ -19,7 +19,7 @@ fn options() -> realistic_options {
 }
 
 fn last_error() -> String {
-    // SAFETY: lives until this thread's next failure.
+    // SAFETY: the message lives until this thread's next failure.
     unsafe { CStr::from_ptr(realistic_last_error()) }.to_str().expect("UTF-8").to_owned()
 }
 
@@ -54,7 +54,7 @@ impl Lens {
     }
 
     fn info(&self) -> realistic_lens_info {
-        // SAFETY: zeros are a structure of this kind, whose size is set.
+        // SAFETY: zeros are a valid structure of this kind, whose size is set.
         unsafe {
             let mut info = MaybeUninit::<realistic_lens_info>::zeroed().assume_init();
             info.struct_size = size_of::<realistic_lens_info>() as u32;
@@ -64,7 +64,7 @@ impl Lens {
     }
 
     fn surface(&self, number: u32) -> Result<realistic_lens_surface, String> {
-        // SAFETY: zeros are a structure of this kind, whose size is set.
+        // SAFETY: zeros are a valid structure of this kind, whose size is set.
         unsafe {
             let mut surface = MaybeUninit::<realistic_lens_surface>::zeroed().assume_init();
             surface.struct_size = size_of::<realistic_lens_surface>() as u32;
@@ -75,7 +75,7 @@ impl Lens {
         }
     }
 
-    /// Traces rays given as x, y, z, dx, dy, dz.
+    /// Traces rays, each given as x, y, z, dx, dy, dz.
     fn trace(&self, from: realistic_side, rays: &[[f64; 6]]) -> (Vec<[f64; 6]>, Vec<realistic_reason>) {
         let mut columns: [Vec<f64>; 6] = std::array::from_fn(|c| rays.iter().map(|ray| ray[c]).collect());
         let mut reasons = vec![realistic_reason::Shut; rays.len()];
@@ -88,14 +88,14 @@ impl Lens {
             reason: reasons.as_mut_ptr(),
             reason_stride: size_of::<realistic_reason>() as isize,
         };
-        // SAFETY: arrays of the rays' number.
+        // SAFETY: the arrays have one element per ray.
         let status = unsafe { realistic_lens_trace(self.0, from as i32, rays.len(), &arrays, null()) };
         assert_eq!(status, realistic_status::Ok, "{}", last_error());
         ((0..rays.len()).map(|i| columns.each_ref().map(|column| column[i])).collect(), reasons)
     }
 
-    /// Traces as [`Lens::trace`] does, and also returns the intersections with every surface, scene
-    /// side first, and their number.
+    /// Traces as [`Lens::trace`] does, and also returns the intersections with every surface, scene side first, and the
+    /// number of intersections.
     fn trace_points(&self, from: realistic_side, rays: &[[f64; 6]]) -> Vec<Traced> {
         let (n, surfaces) = (rays.len(), self.info().surfaces as usize);
         let mut columns: [Vec<f64>; 6] = std::array::from_fn(|c| rays.iter().map(|ray| ray[c]).collect());
@@ -118,7 +118,7 @@ impl Lens {
             met: met.as_mut_ptr(),
             met_stride: size_of::<u32>() as isize,
         };
-        // SAFETY: arrays of the rays' number, and of the points'.
+        // SAFETY: the arrays have one element per ray, or per point.
         let status = unsafe { realistic_lens_trace(self.0, from as i32, n, &arrays, &points) };
         assert_eq!(status, realistic_status::Ok, "{}", last_error());
         let point = |i: usize, k: usize| coordinates.each_ref().map(|column| column[i * surfaces + k]);
@@ -144,7 +144,7 @@ struct Traced {
 
 impl Drop for Lens {
     fn drop(&mut self) {
-        // SAFETY: freed once.
+        // SAFETY: the lens is freed once.
         unsafe { realistic_lens_free(self.0) }
     }
 }
@@ -172,7 +172,7 @@ fn a_singlets_facts_are_the_thick_lens_formulas() {
     near(info.fnumber, 1.0 / power / 8.0);
     near(info.fnumber_paraxial, info.fnumber);
     assert!(info.stated_focal_length_mm.is_nan() && info.nominal_film_distance_mm.is_nan());
-    // A steep beam loses a little more than 2 (n - 1)²/(n + 1)² of its light.
+    // A steep beam loses slightly more than 2 (n - 1)²/(n + 1)² of its light.
     let left = (info.fnumber / info.tnumber_bare).powi(2);
     assert!((left - 0.96 * 0.96).abs() < 1e-4 && info.tnumber_quarter_wave < info.tnumber_bare, "{left}");
     let second = lens.surface(1).expect("there");
@@ -185,13 +185,13 @@ fn a_singlets_facts_are_the_thick_lens_formulas() {
 #[test]
 fn rays_go_through_as_snell_says_and_back_the_same_way() {
     let lens = Lens::of_text("0 0 1 18\n50 6 1.5 20\n-50 0 1 20\n", |_| ()).expect("a lens");
-    // Parallel to the axis at height h onto a sphere of radius R: sin I = h/R, sin I' = sin I/n.
+    // A ray parallel to the axis meets a sphere of radius R at height h: sin I = h/R, sin I' = sin I/n.
     let (h, radius) = (5.0_f64, 50.0_f64);
     let slope = (h / radius).asin() - (h / radius / 1.5).asin();
     let (out, reasons) = lens.trace(realistic_side::Scene, &[[0.0, h, 30.0, 0.0, 0.0, -2.0]]);
     assert_eq!(reasons, [realistic_reason::Ok]);
     let [x, y, z, dx, dy, dz] = out[0];
-    // In the glass, from the first sphere to the second.
+    // The ray travels in the glass from the first sphere to the second.
     let sag = radius - (radius * radius - h * h).sqrt();
     let at = |z: f64| h - slope.tan() * (-z - sag);
     assert!((y - at(z)).abs() < 1e-12, "{y} {z}");
@@ -210,9 +210,9 @@ fn rays_go_through_as_snell_says_and_back_the_same_way() {
 fn blocked_rays_say_why_and_end_where_they_were_stopped() {
     let lens = Lens::of_text(SINGLET, |_| ()).expect("a lens");
     let rays = [
-        // Outside the stop, which comes first.
+        // This ray passes outside the stop, which comes first.
         [0.0, 5.0, 10.0, 0.0, 0.0, -1.0],
-        // Through the stop and outside the first sphere's clear aperture.
+        // This ray passes the stop, and meets the first sphere outside its clear aperture.
         [0.0, 0.0, 1.0, 0.0, 4.0, -1.0],
         [f64::NAN, 0.0, 10.0, 0.0, 0.0, -1.0],
         [0.0, 0.0, 10.0, 0.0, 0.0, 0.0],
@@ -331,7 +331,7 @@ fn every_name_of_the_catalogue_opens_a_lens() {
 #[test]
 fn warnings_go_to_the_log() {
     unsafe extern "C" fn keep(user: *mut c_void, level: i32, message: *const c_char) {
-        // SAFETY: the pointer that the test below passes.
+        // SAFETY: `user` is the pointer that the test below passes.
         unsafe { (*user.cast::<Vec<(i32, CString)>>()).push((level, CStr::from_ptr(message).to_owned())) };
     }
     let mut heard: Vec<(i32, CString)> = Vec::new();

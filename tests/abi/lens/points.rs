@@ -23,8 +23,8 @@ fn unit(d: [f64; 3]) -> [f64; 3] {
     d.map(|x| x / length)
 }
 
-/// Checks that the intersections lie on the lens's surfaces, and that refraction obeys Snell's law: the component of
-/// index times direction along the surface is conserved.
+/// Checks that the intersections lie on the lens's surfaces, and that refraction obeys Snell's law: the tangential
+/// component of the vector of length n along the ray is conserved.
 #[test]
 fn points_lie_on_their_surfaces_and_obey_snell_at_each() {
     let (mut refractions, mut stopped, mut aspheres) = (0, 0, 0);
@@ -69,7 +69,8 @@ fn points_lie_on_their_surfaces_and_obey_snell_at_each() {
                     let (surface, point) = (&surfaces[*k], traced.points[*k]);
                     let r = point[0].hypot(point[1]);
                     if r > surface.semi_diameter_mm {
-                        // The ray ends here, outside the surface's clear aperture by the prescription.
+                        // The ray ends here, because the prescription puts this point outside the surface's clear
+                        // aperture.
                         assert_eq!(
                             (traced.reason, number + 1),
                             (realistic_reason::Clipped, traced.met),

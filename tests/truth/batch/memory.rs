@@ -12,7 +12,7 @@ const FILL: u8 = 0xA5;
 /// The bits of a number that was not written.
 pub const UNWRITTEN: u32 = u32::from_ne_bytes([FILL; 4]);
 
-/// The layout of a field: bytes to its first element, from one element to the next and from one component to the next.
+/// The layout of a field: bytes to its first element, from one element to the next, and from one component to the next.
 #[derive(Clone, Copy)]
 struct Field {
     start: usize,
@@ -21,7 +21,7 @@ struct Field {
     components: usize,
 }
 
-/// `n` elements of several fields, each of some components of four bytes, and gaps between them.
+/// Memory for `n` elements of several fields, with gaps between them; a field has some components of four bytes.
 pub struct Memory {
     bytes: Vec<u8>,
     first: usize,
@@ -31,7 +31,7 @@ pub struct Memory {
 
 impl Memory {
     /// Generates a random layout of fields with these numbers of components: structures, columns, or separate fields
-    /// with gaps and in reverse. It may begin at an odd address.
+    /// with gaps and in reverse order. The layout may begin at an odd address.
     pub fn new(n: usize, components: &[usize], random: &mut Random) -> Self {
         let mut among = |n: usize| (random.next() * n as f64) as usize;
         let layout = among(3);

@@ -28,10 +28,10 @@ const RAY: [usize; 7] = [3, 3, 1, 1, 1, 1, 1];
 /// Components of the fields of both neighbours: origin, direction, weight.
 const NEIGHBOURS: [usize; 6] = [3, 3, 1, 3, 3, 1];
 
-/// Returns the ray of one call, at a wavelength if one is given.
+/// Returns the ray of a single call, at a wavelength if one is given.
 fn single(camera: &Camera, sample: &realistic_sample, wavelength: Option<f32>) -> (realistic_ray, f32) {
     let mut ray = UNTOUCHED;
-    // SAFETY: a live camera.
+    // SAFETY: the camera is live.
     let weight = unsafe {
         match wavelength {
             Some(wavelength) => ray_at(camera.0, sample, wavelength, &mut ray),
@@ -90,7 +90,7 @@ impl Differential {
     /// Builds the result from one call.
     fn by_one_call(camera: &Camera, sample: &realistic_sample, wavelength: Option<f32>) -> Self {
         let mut ray = Self::UNTOUCHED;
-        // SAFETY: a live camera.
+        // SAFETY: the camera is live.
         let weight = unsafe {
             match wavelength {
                 Some(wavelength) => differential_at(camera.0, sample, wavelength, &mut ray),
@@ -108,7 +108,7 @@ struct Seen {
     neighbours: [u32; 4],
 }
 
-/// Returns a number of samples: most often fewer than two groups of the widest vectors, else about a block, or
+/// Returns a number of samples: most often fewer than two groups of the widest vectors, otherwise about a block, or
 /// more.
 fn number_of_samples(random: &mut Random) -> usize {
     match (4.0 * random.next()) as usize {
@@ -130,7 +130,7 @@ fn wavelength(random: &mut Random) -> f32 {
 }
 
 fn generate(camera: &Camera, n: usize, request: &realistic_request) -> realistic_status {
-    // SAFETY: a live camera; all arrays lie in their memory.
+    // SAFETY: the camera is live, and all arrays lie in their memory.
     unsafe { realistic_camera_generate_batch(camera.0, n, request) }
 }
 
@@ -251,7 +251,7 @@ fn check(subject: &Subject, round: u64, seen: &mut Seen) {
         for (sample, four) in samples.iter().zip(wavelengths.chunks(4)) {
             let four: Vec<f32> = four.iter().flatten().copied().collect();
             let (mut rays, mut weights) = ([UNTOUCHED; 4], [-1.0; 4]);
-            // SAFETY: four of each.
+            // SAFETY: every array has four elements.
             let first = unsafe {
                 hero_rays(subject.camera.0, sample, four.as_ptr(), rays.as_mut_ptr(), weights.as_mut_ptr())
             };
@@ -328,7 +328,7 @@ fn a_batch_that_cannot_be_is_refused_by_the_name_of_its_part() {
     }
     refused(&|request| request.wavelengths_per_sample = 4, NullPointer, "request.wavelength.x");
     refused(&|request| request.struct_size = 8, StructSize, "realistic_request.struct_size");
-    // More rays than there are addresses.
+    // The request is for more rays than there are addresses.
     let endless = realistic_request { wavelengths_per_sample: u32::MAX, wavelength: good.image, ..good };
     assert_eq!(generate(&camera, usize::MAX / 2, &endless), InvalidParameter);
     // SAFETY: NULL is not read.

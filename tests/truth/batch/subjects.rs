@@ -12,7 +12,7 @@ use crate::support::abi_camera::{Camera, camera};
 pub struct Subject {
     pub name: &'static str,
     pub camera: Camera,
-    /// The same camera with its shutter open, if it has one, to check a ray's neighbours.
+    /// The same camera with its shutter open, if it has a shutter, to check a ray's neighbours.
     open: Option<Camera>,
     edges: Vec<realistic_sample>,
     passing: Vec<realistic_sample>,
@@ -31,8 +31,8 @@ impl Subject {
         self.open.as_ref().unwrap_or(&self.camera)
     }
 
-    /// Returns samples of one kind: anywhere, along a radius, at tabulated radii, beside edges of apertures, or passing
-    /// ones.
+    /// Returns samples of one kind: anywhere, along a radius, at tabulated radii, beside edges of apertures, or
+    /// passing.
     pub fn samples(&self, n: usize, random: &mut Random) -> Vec<realistic_sample> {
         let pool = match (6.0 * random.next()) as usize {
             0 => along_the_radius(),
@@ -51,7 +51,7 @@ pub fn subjects() -> Vec<Subject> {
     const TURNED: [f32; 16] =
         [0.6, 0.0, 0.8, 3.0, 0.0, 2.0, 0.0, -1.0, -0.8, 0.0, 0.6, 5.0, 0.0, 0.0, 0.0, 1.0];
     let plain = |name: &'static str, set: Set| Subject::new(name, camera(set), None);
-    // Its glasses have V-numbers.
+    // The lens's glasses have V-numbers.
     let dispersive = |set: Set| {
         camera(|options| {
             options.lens_file = c"dgauss.100mm".as_ptr();
@@ -100,7 +100,7 @@ pub fn subjects() -> Vec<Subject> {
     ]
 }
 
-/// Returns samples all over the film and its margin and some far outside, with values of 0 and 1, and NaN.
+/// Returns samples all over the film and its margin, and some far outside it, with values of 0 and 1, and NaN.
 fn samples(n: usize) -> Vec<realistic_sample> {
     let mut random = Random::new(5);
     let mut number = || ((1.02 * random.next() - 0.01) as f32).clamp(0.0, 1.0);
@@ -130,10 +130,11 @@ fn along_the_radius() -> Vec<realistic_sample> {
     samples
 }
 
-/// Returns samples at possible radii of pupil tables, 64ths of the farthest and their square roots, and one float to
-/// either side; also for the neighbour to the right.
+/// Returns samples at the radii that pupil tables may have, 64ths of the farthest radius and their square roots, and
+/// one float to either side of each; also samples whose neighbour to the right is at such a radius.
 fn at_tabulated_radii() -> Vec<realistic_sample> {
-    // In pixels of the 40 x 30 film: its corner, and three pixels each way for a host's filter.
+    // The farthest point, in pixels of the 40 x 30 film: its corner, and three pixels in each direction for a host's
+    // filter.
     let farthest = 25.0 + 3.0 * std::f64::consts::SQRT_2;
     let parts = (0..=64).map(|k| f64::from(k) / 64.0);
     let radii = parts.flat_map(|part| [part, part.sqrt()]).map(|part| part * farthest);
@@ -143,8 +144,8 @@ fn at_tabulated_radii() -> Vec<realistic_sample> {
     beside.zip(lens).map(|(image_x, sample)| realistic_sample { image_x, image_y: 15.0, ..sample }).collect()
 }
 
-/// Returns samples at the last float inside the edge of an aperture and the first outside, along rows of the film; also
-/// for the neighbour to the right.
+/// Returns samples at the last float inside the edge of an aperture and the first float outside, along rows of the
+/// film; also samples whose neighbour to the right is at such a point.
 fn beside_edges(camera: &Camera) -> Vec<realistic_sample> {
     let mut found = Vec::new();
     for sample in samples(80).into_iter().filter(|sample| sample.image_x.is_finite()) {

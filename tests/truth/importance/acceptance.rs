@@ -9,8 +9,8 @@ use super::{
     support::RASTER,
 };
 
-/// Returns the share of directions with importance, for points on the camera's rays at distances in world units; the
-/// number of points that see no direction, and the number of points.
+/// Returns the share of directions that have importance, for points on the camera's rays at distances in world units;
+/// the number of points from which there is no direction; and the number of points.
 pub fn share(camera: &Camera, distance: impl Fn(f64) -> f64) -> (f64, usize, usize) {
     let adjoint = camera.adjoint().expect("defined");
     let points: Vec<ScenePoint> = rays(camera, [RASTER.xres, RASTER.yres], 8000, 5)
@@ -37,8 +37,8 @@ pub fn nearest_focus(camera: &Camera) -> f64 {
     nearest.object_distance - nearest.film_distance + facts.lens.rear().vertex
 }
 
-/// Returns the shares of a camera's directions with importance, for points from the nearest focus to infinity and from
-/// a tenth of that to it. Nearly all points see the lens.
+/// Returns the shares of a camera's directions that have importance: for points from the nearest focus to infinity, and
+/// for points from a tenth of the nearest focus to the nearest focus. Nearly all points see the lens.
 fn shares(given: &[(&str, &str)]) -> [f64; 2] {
     let camera = camera(given);
     let unit = if given.iter().any(|(name, _)| *name == "mm_per_unit") { 0.1 } else { 1.0 };
@@ -49,7 +49,7 @@ fn shares(given: &[(&str, &str)]) -> [f64; 2] {
         "{given:?} {nearest:.0} mm: {far:.3} ({unseen} of {all} unseen), near {near:.3} ({unseen_near})"
     );
     eprintln!("{text}");
-    // Points that do not see it lie at the end of a fisheye's image, which receives hardly any light.
+    // Points that do not see the lens lie at the end of a fisheye's image, which receives hardly any light.
     assert!(unseen + unseen_near <= all / 200, "{text}");
     [far, near]
 }
@@ -59,8 +59,8 @@ fn mean_and_least(shares: &[f64]) -> [f64; 2] {
     [shares.iter().sum::<f64>() / shares.len() as f64, shares.iter().copied().fold(f64::MAX, f64::min)]
 }
 
-/// Checks that most directions pass. Directions whose rays miss the film are blocked: a few from distant points, more
-/// from near ones, and most from defocused points at the edge of the film.
+/// Checks that most directions pass. Directions whose rays miss the film are blocked: few from distant points, more
+/// from near points, and most from defocused points at the edge of the film.
 fn assert_most_pass(cameras: &[Vec<(&str, &str)>]) {
     let all: Vec<[f64; 2]> = cameras.iter().map(|given| shares(given)).collect();
     let [far, near] = [0, 1].map(|which| all.iter().map(|shares| shares[which]).collect::<Vec<_>>());
@@ -72,7 +72,7 @@ fn assert_most_pass(cameras: &[Vec<(&str, &str)>]) {
 
 #[test]
 fn most_directions_toward_a_lens_get_through() {
-    // The part of the stop's circle that blades cover is blocked, too: six blades transmit 0.83 of it.
+    // The part of the stop's circle that is covered by blades is blocked, too: six blades transmit 0.83 of the circle.
     let cameras: Vec<Vec<(&str, &str)>> = CAMERAS.iter().map(|given| given.to_vec()).collect();
     assert_most_pass(&cameras);
 }

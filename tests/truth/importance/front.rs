@@ -1,5 +1,5 @@
-//! Directions from points near a front surface that bulges toward or away from the scene: they begin on the surface,
-//! ahead of the point, and have the importance of their rays.
+//! Directions from points near a front surface that bulges toward or away from the scene: their rays begin on the
+//! surface, ahead of the point, and the directions have the importance of these rays.
 
 use ::realistic_camera::{Importance, ScenePoint, WorldRay};
 
@@ -33,7 +33,7 @@ fn directions_begin_on_the_front_and_count_as_their_rays_do() {
         let mut random = Random::new(11);
         let points: Vec<ScenePoint> = (0..20_000)
             .map(|i| {
-                // Points near the front, within its bulge and beside it; and farther away.
+                // Points lie near the front, within its bulge and beside it, and farther away.
                 let reach = if i % 2 == 0 { 2.0 * semi } else { 100.0 * semi };
                 let [x, y] = [random.signed(), random.signed()].map(|part| (reach * part) as f32);
                 let z = (reach * random.signed()) as f32;

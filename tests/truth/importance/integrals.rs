@@ -1,5 +1,5 @@
-//! An integral over film and scene, by the camera's own rays and by rays from the scene: the light from a dome around
-//! the camera to the film, with every film point weighted by a smooth function of its position.
+//! An integral over film and scene, by the camera's own rays and by rays from the scene: the light that reaches the
+//! film from a dome around the camera, with every film point weighted by a smooth function of its position.
 
 use std::{
     f64::consts::{PI, TAU},
@@ -19,19 +19,19 @@ use super::{
 const SIZE: [u32; 2] = [RASTER.xres, RASTER.yres];
 /// Independent estimates, each from evenly spread samples with a random shift.
 const REPLICATES: usize = 24;
-/// Minimum and maximum samples of an estimate; each step doubles them.
+/// Minimum and maximum numbers of samples of an estimate; each step doubles the number.
 const SAMPLES: [usize; 2] = [512, 1 << 20];
 /// Rays per batch.
 const BLOCK: usize = 512;
-/// Largest standard error relative to the value.
+/// Largest permitted standard error, relative to the value.
 const PRECISE: f64 = 1e-3;
-/// Largest share of light that tables of directions toward a lens may miss, in the mean over its points.
+/// Largest share of light that tables of directions toward a lens may miss, in the mean over the points of the table.
 const LEFT_OUT: f64 = 1e-3;
-/// Largest standard error for a lens that sees behind itself, whose stopped-down pupil receives hardly anything from
-/// most of its dome.
+/// Largest permitted relative standard error for a lens that sees behind itself, whose stopped-down pupil receives
+/// hardly any light from most of its dome.
 const PRECISE_BEHIND: f64 = 3e-3;
 
-/// Weights of film points: all of the film, and mostly a corner.
+/// Number of weightings of film points: one includes all of the film, the other mostly a corner.
 const SHARES: usize = 2;
 
 fn share([x, y]: [f64; 2]) -> [f64; SHARES] {
@@ -41,12 +41,12 @@ fn share([x, y]: [f64; 2]) -> [f64; SHARES] {
 /// A cap of a sphere about the origin of camera space, centred on the axis, that emits inward.
 struct Dome {
     radius: f64,
-    /// Half the angle of its cone.
+    /// Half the angle of the dome's cone.
     angle: f64,
 }
 
 impl Dome {
-    /// Returns a dome of a radius that fills the camera's field.
+    /// Returns a dome of the given radius that fills the camera's field.
     fn before(camera: &Camera, radius: f64) -> Self {
         let mut dome = Self { radius, angle: PI };
         let seen = rays(camera, SIZE, 4000, 7)
@@ -78,14 +78,15 @@ impl Dome {
         TAU * (1.0 - self.angle.cos()) * self.radius * self.radius
     }
 
-    /// Returns the radiance at a point of the unit sphere into a direction away from the camera's: smooth, and never 0.
+    /// Returns the radiance at a point of the unit sphere in the direction opposite to the camera's ray: smooth, and
+    /// never 0.
     fn radiance(&self, [x, y, _]: [f64; 3], [dx, dy, _]: [f64; 3]) -> f64 {
         let size = self.angle.min(1.0);
         1.6 + (2.0 * x / size + 0.4).sin() + 0.3 * (y / size) + 0.2 * (3.0 * (dx - dy)).sin()
     }
 }
 
-/// Estimates of one kind: of each replicate, for each weight of film points.
+/// Estimates of one kind: one for each replicate and each weighting of film points.
 type Estimates = Vec<[f64; SHARES]>;
 
 /// Returns the mean of independent estimates, and its standard error.
@@ -150,8 +151,8 @@ fn by_scene_rays(camera: &Camera, dome: &Dome, replicate: usize, range: Range<us
     sum.map(|sum| sum * dome.area())
 }
 
-/// Returns estimates with relative errors of `most` from as many samples as needed; `sum` computes the sum over a range
-/// of a replicate's samples.
+/// Returns estimates with relative errors of at most `most`, from as many samples as needed; `sum` computes the sum
+/// over a range of a replicate's samples.
 fn precise(most: f64, sum: impl Fn(usize, Range<usize>) -> [f64; SHARES] + Sync) -> Estimates {
     let replicates: Vec<usize> = (0..REPLICATES).collect();
     let mut sums = [[0.0; SHARES]; REPLICATES];
@@ -171,17 +172,17 @@ fn precise(most: f64, sum: impl Fn(usize, Range<usize>) -> [f64; SHARES] + Sync)
     }
 }
 
-/// Returns disagreements between the two estimates of the light from a dome to a camera: a difference above 4 standard
-/// errors plus the light that the tables may miss, or standard errors above [`PRECISE`] ([`PRECISE_BEHIND`] for the lens
-/// that sees behind itself).
+/// Returns disagreements between the two estimates of the light from a dome to a camera. A disagreement is a difference
+/// above 4 standard errors plus the light that the tables may miss, or a standard error above [`PRECISE`]
+/// ([`PRECISE_BEHIND`] for the lens that sees behind itself).
 fn both_estimates(given: &[(&str, &str)], radius: f64) -> Vec<String> {
     let unit = if given.iter().any(|(name, _)| *name == "mm_per_unit") { 0.1 } else { 1.0 };
     let most = if given.contains(&("lens_file", "fisheye.6mm")) { PRECISE_BEHIND } else { PRECISE };
     disagreements(&format!("{given:?}"), &camera(given), unit * radius, [most, LEFT_OUT])
 }
 
-/// Returns disagreements for a camera and a dome in world units, with errors above `most` and tables that may miss
-/// `left_out`.
+/// Returns disagreements for a camera and a dome in world units, where errors above `most` count and the tables may
+/// miss `left_out`.
 pub fn disagreements(name: &str, camera: &Camera, radius: f64, [most, left_out]: [f64; 2]) -> Vec<String> {
     let dome = Dome::before(camera, radius);
     let from_film = precise(0.35 * most, |replicate, range| by_camera_rays(camera, &dome, replicate, range));
@@ -206,14 +207,14 @@ pub fn disagreements(name: &str, camera: &Camera, radius: f64, [most, left_out]:
 }
 
 const WEIGHTINGS: [&str; 4] = ["radiometric", "assignment", "relative", "none"];
-/// Returns a film diagonal, mm, whose corners the lens illuminates, except those of fisheyes.
+/// Returns a film diagonal, mm; each lens except a fisheye illuminates the corners of that film.
 fn film(lens: &str) -> &'static str {
     if lens.starts_with("phone") { "6" } else { "30" }
 }
 const STOPS: [Option<&str>; 3] = [None, Some("8"), Some("16")];
 const FOCUS: [Option<&str>; 2] = [None, Some("3000")];
 const PUPILS: [&str; 2] = ["warped", "disk"];
-/// From in front of the longest lens to far away.
+/// Radii of the dome, from in front of the longest lens to far away.
 const RADII: [f64; 3] = [1000.0, 4000.0, 50_000.0];
 
 fn combination<'a>(
@@ -225,7 +226,7 @@ fn combination<'a>(
 ) -> Vec<(&'a str, &'a str)> {
     let given =
         [("lens_file", lens), ("film_diagonal", film(lens)), ("weighting", weighting), ("pupil", pupil)];
-    // A zoom at its first position, and with a near focus between its ends.
+    // A zoom is at its first position or, with a near focus, between its ends.
     let zoom = match (lens, focus) {
         ("zoom.24-70mm", Some(_)) => Some("45"),
         ("zoom.70-200mm", Some(_)) => Some("135"),
@@ -249,7 +250,7 @@ fn integrals_by_rays_from_the_film_and_from_the_scene_agree() {
 fn integrals_agree_for_every_lens_of_the_catalogue() {
     let mut wrong = Vec::new();
     for (i, lens) in catalogue::names().enumerate() {
-        // Neighbours differ in everything, and over a dozen lenses each weighting meets each stop.
+        // Neighbouring combinations differ in everything, and over a dozen lenses each weighting meets each stop.
         let given = combination(
             lens,
             WEIGHTINGS[i % 4],

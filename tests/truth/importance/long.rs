@@ -1,4 +1,4 @@
-//! Lenses of hundreds of interfaces, whose tables are coarser the longer a ray takes: fewer directions pass, but the
+//! Lenses of hundreds of interfaces. The longer a ray takes, the coarser the tables: fewer directions pass, but the
 //! light is the same.
 
 use std::fmt::Write;
@@ -13,10 +13,10 @@ use super::{
     support::{Random, host},
 };
 
-/// Interfaces, and whether they are aspheres: one lens for each table size, the finest first.
+/// Numbers of interfaces, and whether they are aspheres: one lens for each table size, the finest table first.
 const LENSES: [(usize, bool); 4] = [(150, false), (400, false), (1000, false), (1000, true)];
 
-/// Returns a lens in front of plates that are too flat to meet.
+/// Returns a lens in front of plates, which are too flat to touch.
 fn long(interfaces: usize, is_aspheric: bool) -> Camera {
     let mut random = Random::new(interfaces as u64);
     let mut text = "60 6 1.6 14\n-400 2 1 14\n".to_owned();
@@ -49,7 +49,7 @@ fn integrals_agree_for_long_lenses() {
     let mut wrong = Vec::new();
     for ((interfaces, is_aspheric), radius) in LENSES.into_iter().zip([1000.0, 4000.0, 50_000.0, 2000.0]) {
         let name = format!("{interfaces} {is_aspheric}");
-        // The tables of such expensive lenses have few nodes over the points.
+        // The tables of such expensive lenses have few nodes over scene points.
         let bounds = [3e-3, if interfaces > 300 { 1.5e-2 } else { 1e-3 }];
         wrong.extend(disagreements(&name, &long(interfaces, is_aspheric), radius, bounds));
     }

@@ -1,5 +1,5 @@
-//! Adjoint cameras: importance against the camera's own rays, ray by ray and as integrals, and the share of directions
-//! toward a lens that pass.
+//! Adjoint cameras: importance against the camera's own rays, for each ray and in integrals; and the share of
+//! directions toward a lens that pass.
 
 mod acceptance;
 mod front;
@@ -28,7 +28,7 @@ fn camera_of(host: &Host, given: &[(&str, &str)]) -> Camera {
     Camera::build(&parameters, host, &mut |_, _| ()).unwrap_or_else(|error| panic!("{given:?}: {error}"))
 }
 
-/// Parameters of cameras: each kind of lens, pupil, weighting, stop and focus.
+/// Parameters of cameras, which include each kind of lens, pupil, weighting, stop and focus.
 const CAMERAS: [&[(&str, &str)]; 27] = [
     &[],
     &[("weighting", "assignment")],

@@ -8,7 +8,7 @@ use super::{
     support::{RASTER, Random},
 };
 
-/// Returns numbers of any bits, and the most critical ones.
+/// Returns numbers of any bits, and the most critical numbers.
 fn strange(random: &mut Random) -> f32 {
     match (random.next() * 8.0) as u32 {
         0 => f32::NAN,

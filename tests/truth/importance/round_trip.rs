@@ -12,11 +12,11 @@ use super::{
 
 const SIZE: [u32; 2] = [RASTER.xres, RASTER.yres];
 
-/// Returns the largest distance of a returning ray from its film point, pixels; the relative difference between We over
-/// density and the weight, for all but one ray in a thousand; and the numbers of lost rays and of rays.
+/// Returns the largest distance of a returning ray from its film point, pixels; the largest relative difference between
+/// We over density and the weight, leaving out one ray in a thousand; and the numbers of lost rays and of all rays.
 ///
-/// The warped pupil's density jumps slightly at the knots of its table, and a rounded ray may have crossed one: no
-/// weight is off by more than a hundredth.
+/// The warped pupil's density jumps slightly at the knots of its table, and rounding may have moved a ray across a
+/// knot; even then, no weight is off by more than a hundredth.
 fn come_back(camera: &Camera, size: [u32; 2]) -> (f64, f64, usize, usize) {
     let adjoint = camera.adjoint().expect("defined");
     let rays = rays(camera, size, 6000, 1);
@@ -43,19 +43,19 @@ fn rays_come_back_to_their_film_point_with_their_weight() {
     for given in CAMERAS {
         let camera = camera(given);
         let (off, weights, lost, all) = come_back(&camera, SIZE);
-        // Rays are rounded to single precision on output, and with a tolerance also traced in it.
+        // Rays are rounded to single precision on output; with a tolerance, they are also traced in single precision.
         let approximate = given.iter().any(|(name, _)| *name == "tolerance");
         let (most, relative) = if approximate { (0.1, 1e-3) } else { (0.01, 1e-4) };
         eprintln!("{given:?}: {off:.2e} pixels, {weights:.1e}, {lost} of {all} lost");
         assert!(all > 300, "{given:?}: {all} rays");
         assert!(off < most, "{given:?}: {off} pixels");
         assert!(weights < relative, "{given:?}: {weights}");
-        // Rays within rounding of an aperture's edge.
+        // The lost rays pass within rounding of an aperture's edge.
         assert!(lost <= all / 2000 + if approximate { all / 200 } else { 0 }, "{given:?}: {lost} of {all}");
     }
 }
 
-/// Returns a camera that moves and turns, stretched and mirrored, behind a shutter.
+/// Returns a camera that moves and turns, is stretched and mirrored, and has a shutter.
 fn moving(given: &[(&str, &str)]) -> Camera {
     let pose = |turn: f32, away: f32| {
         let (sin, cos) = turn.sin_cos();

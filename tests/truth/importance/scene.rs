@@ -4,7 +4,7 @@ use ::realistic_camera::{Camera, Sample, WorldRay};
 
 use super::support::Random;
 
-/// Steps of the additive recurrence in six dimensions (M. Roberts, 2018): powers of 1/g, g⁷ = g + 1.
+/// Steps of the additive recurrence in six dimensions (M. Roberts, 2018): powers of 1/g, where g⁷ = g + 1.
 const STEPS: [f64; 6] = [
     0.898_665_466_953_376_8,
     0.807_599_621_487_158_4,
@@ -14,7 +14,7 @@ const STEPS: [f64; 6] = [
     0.526_730_322_473_113_2,
 ];
 
-/// Returns the numbers of a sample, with a shift common to a replicate.
+/// Returns the numbers of a sample, shifted by the same amount within a replicate.
 pub fn numbers(index: usize, replicate: usize) -> [f64; 6] {
     let mut random = Random::new(replicate as u64);
     std::array::from_fn(|axis| (random.next() + index as f64 * STEPS[axis]).fract())

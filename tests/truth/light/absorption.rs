@@ -1,5 +1,5 @@
-//! Absorption in glass: the law of Beer and Lambert along the paths of rays, by closed forms and by the walk's own
-//! points.
+//! Absorption in glass: the law of Beer and Lambert along the paths of rays, compared with closed forms and with the
+//! walk's own points.
 
 use std::collections::BTreeMap;
 
@@ -15,7 +15,7 @@ use realistic_optics::{
     trace::{Direction, Path},
 };
 
-/// Two glasses that transmit 0.95 and 0.8 at 550 nm over 10 mm, and less of blue.
+/// Two glasses that transmit 0.95 and 0.8 at 550 nm over 10 mm, and less of blue light.
 const GLASSES: &str = "CC made up\n\
     NM CLEAR 2 0 1.5168 64.17 0\nCD 1.03961212 0.00600069867 0.231792344 0.0200179144 1.01046945 103.560653\nLD 0.3 2.5\n\
     IT 0.38 0.90 10\nIT 0.42 0.93 10\nIT 0.55 0.95 10\nIT 0.78 0.96 10\n\
@@ -40,7 +40,7 @@ fn clear(lens: &Lens) -> Lens {
 
 #[test]
 fn a_plate_absorbs_by_the_path_and_not_by_its_thickness() {
-    // 5 mm of the dark glass at 550 nm, at many angles.
+    // The path is 5 mm of the dark glass at 550 nm, at many angles.
     let lens = Lens::new(&lens_of("0 5 DARK 200\n0 0 1 200\n"), 550.0);
     let n = lens.surfaces[0].n_film;
     for direction in [Direction::SceneToFilm, Direction::FilmToScene] {
@@ -160,9 +160,9 @@ fn direct_light_and_ghosts_are_absorbed_along_the_walk() {
     assert!(compared[0] > 300 && compared[1] > 300, "{compared:?}");
 }
 
-/// Returns the largest relative errors of a camera's weights against the exact product of its surfaces and the law
-/// along the points of the walk, at the camera's own wavelength and at 380, 382, … 780 nm, and the number of rays
-/// compared. It skips rays with less than a thousandth of the light left.
+/// Returns the largest relative errors of a camera's weights, and the number of rays compared. The weights are compared
+/// with the exact product over the camera's surfaces and the law along the points of the walk, at the camera's own
+/// wavelength and at 380, 382, … 780 nm. Rays with less than a thousandth of the light left are skipped.
 fn worst_weights(
     table: &str,
     catalogue: &str,
@@ -228,7 +228,8 @@ fn weights_have_absorption_at_every_wavelength() {
 /// Ten SCHOTT glasses, from a light crown to flints that transmit nothing at 380 nm.
 const SCHOTT: &str = include_str!("../../golden/schott.agf");
 
-/// Returns a lens of the catalogue as a table, with each glass replaced by the glass of [`SCHOTT`] of nearest index.
+/// Returns a lens of the catalogue as a table, with each glass replaced by the glass of [`SCHOTT`] that has the nearest
+/// index.
 fn of_schott(name: &str) -> String {
     let known: Vec<(&str, f64)> = SCHOTT
         .lines()
@@ -271,8 +272,8 @@ fn weights_have_the_absorption_of_catalogue_glasses() {
     assert!(rays > 30_000, "{rays}");
 }
 
-/// A glass 5 mm of which transmit exp(-1000) of the light, but which is clear at another wavelength: dark at the
-/// camera's own, bright there.
+/// Checks a glass of which 5 mm transmit exp(-1000) of the light at the camera's own wavelength, but which is clear at
+/// another wavelength: the image is dark at the one and bright at the other.
 #[test]
 fn a_lens_that_absorbs_all_light_is_dark() {
     let folder = tempfile::tempdir().expect("a folder");

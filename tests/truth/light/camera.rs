@@ -1,4 +1,4 @@
-//! A camera's weights against the product of its lens's surfaces, along the rays that it generates.
+//! A camera's weights against the product over its lens's surfaces, along the rays that the camera generates.
 
 use std::collections::BTreeMap;
 
@@ -12,7 +12,7 @@ use realistic_optics::{
     trace::Path,
 };
 
-/// Returns a lens at a wavelength with its surfaces' exact product, to the film.
+/// Returns a lens at a wavelength with the exact product over its surfaces, for light toward the film.
 fn lit(lens: &Lens, coating: Coating) -> LitPath {
     LitPath::new(Path::scene_to_film(lens), &exact_surfaces(lens, coating))
 }
@@ -24,7 +24,7 @@ fn exact(lit: &LitPath, origin: [f32; 3], direction: [f32; 3]) -> Option<f64> {
     lit.trace(back).ok().map(|(_, power)| power)
 }
 
-/// A cache of [`lit`] by wavelength.
+/// A cache of the results of [`lit`] by wavelength.
 struct Walks<'a> {
     prescription: &'a Prescription,
     coating: Coating,
@@ -85,8 +85,8 @@ fn weights_are_lossless_weights_times_the_exact_product() {
 
 #[test]
 fn weights_at_wavelengths_are_times_the_product_at_each() {
-    // Without dispersion, a lens has the camera's own pupil at every wavelength only if the pupil is a disk: the true
-    // pupil by wavelength is another table, which maps a sample to another ray.
+    // Without dispersion, a lens has the camera's own pupil at every wavelength only if the pupil is a disk. The true
+    // pupil at other wavelengths has a separate table, which maps a sample to another ray.
     for (name, pupil) in
         [("dgauss.50mm", Pupil::Rear), ("planar.50mm", Pupil::Warped), ("tele.135mm", Pupil::Warped)]
     {
@@ -116,7 +116,7 @@ fn weights_at_wavelengths_are_times_the_product_at_each() {
     }
 }
 
-/// Gull-wing aspheres, which rays meet near grazing incidence.
+/// Checks gull-wing aspheres, which rays meet near grazing incidence.
 #[test]
 fn rays_through_gull_wings_have_the_exact_product() {
     let prescription = catalogue::find("phone.4mm").expect("in the catalogue");
@@ -212,7 +212,7 @@ fn the_coatings_of_the_lens_file_count_each_on_its_surface() {
     for sample in samples(300) {
         assert_eq!(file.ray(&sample), parameter.ray(&sample));
     }
-    // The same coating written out as layers, too.
+    // The same holds for this coating written out as layers.
     let layers = SurfaceCoating::from(Coating::ThreeLayer).from_air();
     let words: Vec<String> = layers.iter().map(|own| format!("{} {}", own.index, own.thickness)).collect();
     let stack = camera(&format!("coating all stack {}", words.join(" ")), Transmission::File);
@@ -220,7 +220,7 @@ fn the_coatings_of_the_lens_file_count_each_on_its_surface() {
     for sample in samples(300) {
         assert_eq!(stack.ray(&sample), parameter.ray(&sample));
     }
-    // Each surface with its own: one bare, one for another wavelength.
+    // The surfaces have coatings of their own: one is bare, and one coating is made for another wavelength.
     let lines = "coating all v-coat\ncoating 1 bare\ncoating 11 quarter-wave at=450\n";
     let [plain, own] = [Transmission::None, Transmission::File]
         .map(|transmission| camera(lines, transmission).expect("a camera"));

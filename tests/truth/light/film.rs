@@ -1,5 +1,5 @@
-//! Ghosts in a camera's rays: the direct rays beside them, samples that differ by their film points alone, and the
-//! watts on film against those of lamps.
+//! Ghosts in a camera's rays: the direct rays beside them, samples that differ only in their film points, and the watts
+//! on film compared with those of lamps.
 
 use super::super::support::Random;
 use crate::support::columns::RayAt as _;
@@ -61,7 +61,7 @@ fn samples_that_differ_by_film_points_choose_alike() {
         let turn: f32 = (0..3).map(|k| (a.direction[k] - b.direction[k]).powi(2)).sum();
         near += u32::from(turn.sqrt() < 0.05 && (weight / other - 1.0).abs() < 0.2);
     }
-    // Another pair would send the ray anywhere.
+    // A ray reflected by another pair would go anywhere.
     assert!(both > 1000 && f64::from(near) > 0.97 * f64::from(both), "{near} of {both}");
 }
 
@@ -143,7 +143,7 @@ fn the_film_gets_the_watts_of_the_lamps() {
             let (lens, film) = (&facts.lens, facts.lens.rear().vertex - facts.film_distance);
             let axis = [field.to_radians().sin(), 0.0, field.to_radians().cos()];
             let cosine = 6.0_f64.to_radians().cos();
-            // A sky of radiance 1 in a cone, seen from the film.
+            // A sky of radiance 1 fills a cone, as seen from the film.
             let half = [facts.film.pixel() * 30.0, facts.film.pixel() * 20.0];
             let count = 300_000;
             let (mut sum, mut squares) = (0.0, 0.0);
@@ -160,13 +160,13 @@ fn the_film_gets_the_watts_of_the_lamps() {
             let area = 4.0 * half[0] * half[1] * 1e-6;
             let (mean, spread) = (sum / n, (squares / n - (sum / n).powi(2)).sqrt() / n.sqrt());
             let [seen, error] = [area * mean, area * spread];
-            // The same sky as lamps.
+            // The same sky is represented by lamps.
             let ghosts = Ghosts::new(lens, None, &Surfaces::new(lens, coating), film);
             let solid_angle = std::f64::consts::TAU * (1.0 - cosine);
             let lamps = 24;
             let each: Vec<f64> = (0..lamps)
                 .map(|i| {
-                    // The golden ratio's points, evenly over the cone.
+                    // The points of the golden ratio's sequence are spread evenly over the cone.
                     let at =
                         [(f64::from(i) + 0.5) / f64::from(lamps), (f64::from(i) * 0.618_033_988_75).fract()];
                     let lamp = Lamp::Distant(toward(axis, cosine, at));

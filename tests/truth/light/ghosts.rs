@@ -1,4 +1,4 @@
-//! Paths with two reflections: against explicit reflection, a closed form, and from both ends.
+//! Paths with two reflections, compared with explicit reflection and a closed form, and traced from both ends.
 
 use super::{
     super::support::{Random, lens},
@@ -40,7 +40,7 @@ fn ghosts_are_what_explicit_reflection_makes_of_them() {
                 let turns = [*near, *far];
                 let path = Path::reflected(&lens, Direction::SceneToFilm, Refraction::Fused, turns);
                 let lit = LitPath::new(path, &surfaces);
-                // From the film, the same path has its surfaces numbered from the film side.
+                // Traced from the film, the surfaces of the same path are numbered from the film side.
                 let last = lens.surfaces.len() - 1;
                 let back = Path::reflected(
                     &lens,
@@ -143,8 +143,8 @@ fn an_even_skys_ghosts_have_one_flux_from_both_sides() {
 
 #[test]
 fn the_edges_of_a_spray_are_round() {
-    // A window with a stop behind it transmits a disk of light from a lamp on the axis, whose watts are proportional
-    // to its area.
+    // A window with a stop behind it transmits a disk of light from a lamp on the axis; the disk's watts are
+    // proportional to its area.
     let radius = 4.0;
     let text = format!("inf 2 1.5 - 20\ninf 1 - - 20\nstop 0 - - {}\n", 2.0 * radius);
     let window = Lens::at_d_line(&realistic::read("window", text.as_bytes()).expect("a lens"));
@@ -156,8 +156,8 @@ fn the_edges_of_a_spray_are_round() {
         let spray = ghosts.spray(ghosts.direct(), lamp, side);
         let area = 1e-6 * std::f64::consts::PI * radius * radius;
         near(spray.watts() / (left * area), 1.0, 8e-3);
-        // For each row of the grid, the chord of the disk within a third of a cell: whole cells would be off by up to
-        // one, with a jagged edge. Light that passes the stop lands without a change in height.
+        // For each row of the grid, the light has the length of the disk's chord to within a third of a cell: whole
+        // cells with a jagged edge would be off by up to one cell. Light that passes the stop lands at the same height.
         let rows: Vec<(f64, f64)> = spray
             .cells
             .chunks(side)
@@ -192,7 +192,7 @@ fn the_kernel_takes_rays_along_ghosts_as_the_walk_does() {
                 let path = |direction, turns| Path::reflected(&lens, direction, Refraction::Fused, turns);
                 let forth = path(Direction::SceneToFilm, [*near, *far]);
                 let back = path(Direction::FilmToScene, [last - far, last - near]);
-                // The rays that pass, from behind.
+                // The rays that pass are traced again from behind.
                 let from_film: Vec<Ray> = from_scene
                     .iter()
                     .filter_map(|ray| forth.trace(*ray).ok())
@@ -225,7 +225,7 @@ fn the_kernel_takes_rays_along_ghosts_as_the_walk_does() {
             }
         }
     }
-    // Aspheric mirrors are included.
+    // The paths include reflections at aspheres.
     assert!(passed > 20_000 && aspheric > 1000, "{passed} {aspheric}");
     assert!(differ == 0 && most < 1e-10, "{differ} of {passed}, {most}");
 }

@@ -1,4 +1,4 @@
-//! Lamps at any position: beyond 90 degrees from the axis, near, and those that the lens does not see.
+//! Lamps at any position: more than 90 degrees from the axis, near the lens, and where the lens does not see them.
 
 use super::super::support::{Random, lens};
 use realistic_light::{Ghosts, Lamp, LampError, Surfaces};
@@ -26,8 +26,8 @@ fn a_fisheye_sees_lamps_behind_itself() {
     let path: Path = Path::film_to_scene(&lens);
     let mut looked = 0;
     for radius in [9.0, 9.5, 10.0, 10.5] {
-        // The bundle of rays from a film point: its directions lie about one, and a lamp in that direction illuminates
-        // the point.
+        // The directions of the bundle of rays from a film point lie about one direction; a lamp in that direction
+        // illuminates the point.
         let rays = (-400..400).filter_map(|slope| {
             let direction = [f64::from(slope) / 1000.0, 0.0, 1.0];
             path.trace(Ray { origin: [-radius, 0.0, film], direction }).ok()
@@ -56,7 +56,7 @@ fn a_front_surface_faces_lamps_up_to_90_degrees_and_its_slope() {
     assert_eq!(at(limit - 1.0).check(&fisheye), Ok(()));
     let Err(LampError::Behind { limit: reported, .. }) = at(limit + 0.1).check(&fisheye) else { panic!() };
     assert!((reported - limit).abs() < 1.0, "{reported} {limit}");
-    // A concave front surface sees no lamp beyond 90 degrees.
+    // A concave front surface sees no lamp more than 90 degrees from the axis.
     let text = "-50 2 1.5 - 30\n50 0 1 - 30\n";
     let concave = Lens::at_d_line(&realistic::read("concave", text.as_bytes()).expect("a lens"));
     assert_eq!(at(85.0).check(&concave), Ok(()));
@@ -69,16 +69,16 @@ fn a_front_surface_faces_lamps_up_to_90_degrees_and_its_slope() {
 
 #[test]
 fn a_near_lamps_watts_are_those_of_all_directions() {
-    // In front of the surface and beside it: from there the sphere that contains the surface is wider than its disk
-    // perpendicular to the light.
+    // The points lie in front of the surface and beside it. Seen from there, the sphere that contains the surface is
+    // wider than the surface's disk perpendicular to the light.
     for (name, point) in [("dgauss.50mm", [10.0, 0.0, 30.0]), ("fisheye.10mm", [30.0, 5.0, 8.0])] {
         let lens = lens(name);
         let ghosts = ghosts(&lens, lens.rear().vertex - 40.0);
         let lamp = Lamp::Point(point);
         assert_eq!(lamp.check(&lens), Ok(()), "{name}");
         let found = ghosts.spray(ghosts.direct(), lamp, 128).watts();
-        // Rays from the lamp, uniform over a cone that contains the front surface; the intensity gives 1 W/m² in the
-        // middle of the front.
+        // Rays leave the lamp uniformly over a cone that contains the front surface; the lamp's intensity gives 1 W/m²
+        // in the middle of the front.
         let [low, high] = lens.front().sagitta_range();
         let away = [-point[0], -point[1], f64::midpoint(low, high) - point[2]];
         let squared: f64 = away.iter().map(|x| x * x).sum();

@@ -21,7 +21,7 @@ const GLASS: f64 = 1.5168;
 /// The quarter-wave film at 550 nm, MgF2 of index 1.38.
 const FILM: (f64, f64) = (1.38, 550.0 / 4.0 / 1.38);
 
-/// Returns the layers of a coating from the air to a glass.
+/// Returns the layers of a coating on glass, from the air to the glass.
 fn layers(coating: Coating, n: f64) -> Vec<Layer> {
     SurfaceCoating::from(coating).layers([1.0, n])
 }
@@ -44,15 +44,14 @@ fn bare_and_quarter_wave_surfaces_reflect_what_closed_forms_say() {
         let square = 1.38_f64.powi(2);
         near(reflectance(Coating::QuarterWave, n), ((n - square) / (n + square)).powi(2), 1e-12);
     }
-    // Two quarter waves act as one of n1²/n2² times the glass's index, squared; at n = (1.70/1.38)² nothing is
-    // reflected.
+    // Two quarter waves turn the glass's index n into n (1.38/1.70)²; at n = (1.70/1.38)² nothing is reflected.
     let matched = (1.7_f64 / 1.38).powi(2);
     for n in [GLASS, matched, 1.785] {
         let r = (1.0 - n / matched) / (1.0 + n / matched);
         near(reflectance(Coating::VCoat, n), r * r, 1e-12);
     }
     assert!(reflectance(Coating::VCoat, matched) < 1e-28);
-    // A half wave has no effect; the quarter waves on its sides turn the glass's index into n (1.38/1.63)².
+    // A half wave has no effect; the quarter waves on either side of it turn the glass's index into n (1.38/1.63)².
     let n = GLASS * (1.38_f64 / 1.63).powi(2);
     near(reflectance(Coating::ThreeLayer, GLASS), ((1.0 - n) / (1.0 + n)).powi(2), 1e-12);
     // Values of H. A. Macleod's tables, computed elsewhere to four digits.
@@ -103,8 +102,9 @@ fn films_conserve_energy_and_follow_airy() {
 
 #[test]
 fn flat_plates_one_after_the_other_are_the_adding_formula() {
-    // Two surfaces, all orders summed without interference: T = T1 T2/(1 - R1 R2) and R = R1 + T1² R2/(1 - R1 R2),
-    // which for m equal surfaces is T = (1 - R)/(1 + (m - 1) R). Direct light and the pairs are its first two terms.
+    // For two surfaces, all orders summed without interference give T = T1 T2/(1 - R1 R2) and R = R1 + T1² R2/(1 - R1
+    // R2). For m equal surfaces this is T = (1 - R)/(1 + (m - 1) R), whose first two terms are the direct light and the
+    // pairs.
     let [r, m] = [split(&[], [1.0, GLASS], 1.0, 550.0).reflected.mean(), 6.0];
     let plate = "0 1 1.5168 30\n0 1 1 30\n".repeat(2) + "0 1 1.5168 30\n0 0 1 30\n";
     let flat = Lens::at_d_line(&realistic::read("flat", plate.as_bytes()).expect("a lens"));
@@ -121,7 +121,7 @@ fn flat_plates_one_after_the_other_are_the_adding_formula() {
             two += LitPath::new(path, &surfaces).trace(axial).expect("passes").1;
         }
     }
-    // The remainder consists of the orders from four reflections on.
+    // The remainder consists of the orders with four or more reflections.
     let left = (1.0 - r) / (1.0 + (m - 1.0) * r) - direct - two;
     near(left / direct, beyond_pairs(&surfaces, &flat), 1e-12);
     let adding = |(t1, r1): (f64, f64)| {

@@ -1,6 +1,6 @@
-//! An independent trace of light through a lens: rays by vectors and signed distances, the electric field in three
-//! dimensions as complex vectors, and the amplitudes of a single film by Airy's sum. It shares only the surfaces'
-//! numbers with the library.
+//! An independent trace of light through a lens: rays are traced by vectors and signed distances, the electric field
+//! consists of complex vectors in three dimensions, and the amplitudes of a single film follow Airy's sum. It shares
+//! only the surfaces' numbers with the library.
 
 use realistic_optics::lens::Lens;
 use std::ops::{Add, Mul};
@@ -43,8 +43,8 @@ fn cross(a: V, b: V) -> V {
     std::array::from_fn(|i| a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3])
 }
 
-/// Returns Fresnel's amplitudes r and t between two media, s or p, in field units; the p field is positive if it keeps
-/// its side.
+/// Returns Fresnel's amplitudes r and t between two media, s or p, as ratios of fields; the p field is positive if it
+/// stays on the same side of the ray.
 fn fresnel(n: f64, cos: f64, n_behind: f64, cos_behind: f64, is_p: bool) -> [f64; 2] {
     if is_p {
         let sum = n_behind * cos + n * cos_behind;
@@ -78,9 +78,9 @@ pub fn amplitudes(
     [(C(r1, 0.0) + C(r2, 0.0) * twice).over(below), (C(t1 * t2, 0.0) * once).over(below)]
 }
 
-/// Returns the share of an unpolarised ray's power behind a lens of spheres, from the scene to the film, with the ray's
-/// end point and direction. With `turns`, it follows the path that is reflected at the second of them, then at the
-/// first on its way back, and then goes on. `film` is the index and the thickness in nm of the film between air and
+/// Returns the share of an unpolarised ray's power that is left behind a lens of spheres, from the scene to the film,
+/// with the ray's end point and direction. With `turns`, the ray is reflected at the second surface of `turns`, and on
+/// its way back at the first, and then goes on. `film` is the index and the thickness, nm, of the film between air and
 /// glass.
 pub fn trace(
     lens: &Lens,
@@ -111,7 +111,7 @@ pub fn trace(
         let surface = &lens.surfaces[i];
         let c = surface.curvature;
         let q = [at[0], at[1], at[2] - surface.vertex];
-        // The film's side has -z: the centre of a positive radius lies there.
+        // The film lies toward -z: the centre of a positive radius lies on that side.
         let (b, f) = (c * dot(q, d) + d[2], c * dot(q, q) + 2.0 * q[2]);
         let root = (b * b - c * f).sqrt();
         let t = -f / (b + root * d[2].signum());

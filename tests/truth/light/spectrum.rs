@@ -1,4 +1,5 @@
-//! The ghosts of a lamp at many wavelengths, interpolated from few, against those of a lens at each.
+//! The ghosts of a lamp at many wavelengths, interpolated from few wavelengths, compared with those of a lens built at
+//! each wavelength.
 
 use super::super::support::{lens, on_all_cores};
 use realistic_light::{GhostSpectrum, Ghosts, Lamp, Surfaces};
@@ -7,7 +8,7 @@ use realistic_optics::{
     prescription::{Blades, Coating, SurfaceCoating, catalogue},
 };
 
-/// Number of wavelengths, and those that are compared: the ends, which are nodes, and two between nodes.
+/// Number of wavelengths, and the wavelengths that are compared: the two ends, which are nodes, and two between nodes.
 const WAVELENGTHS: u32 = 16;
 const COMPARED: [usize; 4] = [0, 3, 9, 15];
 /// Maximum error of products of two reflectances between interpolation nodes, relative to the largest product.
@@ -16,17 +17,18 @@ const BETWEEN_NODES: f64 = 1e-3;
 /// The centre of some light on film and its radius, mm.
 type Spot = Option<([f64; 2], f64)>;
 
-/// Errors of the pairs, as two numbers each: the error of the watts relative to their sum; and the shift of the light's
-/// centre relative to its radius, at least a tenth of a millimetre, averaged by watts.
+/// Errors of the pairs, each given as two numbers: the error of the watts relative to their sum; and the shift of the
+/// light's centre relative to the light's radius, or to a tenth of a millimetre if that is larger, averaged with the
+/// watts as weights.
 struct Errors {
-    /// Errors of interpolated wavelengths against those of a lens at each.
+    /// Errors of interpolated wavelengths relative to a lens built at each wavelength.
     of_interpolation: [f64; 2],
-    /// Differences from a grid of twice as many cells along a side.
+    /// Differences from a grid with twice as many cells along a side.
     of_grid: [f64; 2],
 }
 
-/// Returns the errors of a lens with a lamp at an angle from the axis, by grids of `side` cells along a side; `None`
-/// without light.
+/// Returns the errors for a lens and a lamp at an angle from the axis, by grids with `side` cells along a side; `None`
+/// if no light arrives.
 fn errors(
     name: &str,
     coating: &SurfaceCoating,
@@ -92,8 +94,8 @@ fn errors(
 
 #[test]
 fn interpolated_wavelengths_have_the_watts_of_traced_ones() {
-    // Few surfaces and many, near and far from the film, spheres alone and aspheres, and last the fisheye whose ghosts
-    // come from the narrowest part of its front.
+    // The lenses have few surfaces and many, near the film and far from it, spheres alone and aspheres; the last is the
+    // fisheye whose ghosts come from the narrowest part of its front.
     let lenses =
         ["tessar.50mm", "dgauss.50mm", "telephoto.250mm", "retrofocus.24mm", "phone.4mm", "fisheye.6mm"];
     on_all_cores(&lenses, |name| {
@@ -103,7 +105,7 @@ fn interpolated_wavelengths_have_the_watts_of_traced_ones() {
             "| `{name}` | {:.1e} | {:.1e} | {:.1e} | {:.1e} |",
             of_interpolation[0], of_grid[0], of_interpolation[1], of_grid[1]
         );
-        // The two grids cover different regions, and each has its own error.
+        // The two grids cover different regions, and each has an error of its own.
         for (interpolated, grid) in of_interpolation.into_iter().zip(of_grid) {
             assert!(interpolated < BETWEEN_NODES + 2.0 * grid, "{name}: {of_interpolation:?} {of_grid:?}");
         }
@@ -125,6 +127,6 @@ fn a_polygons_edges_are_those_of_each_wavelength() {
     let [whole, _] =
         errors("dgauss.100mm", &Coating::Bare.into(), 8.0, None, 32).expect("light").of_interpolation;
     println!("{off:.1e} {moved:.1e}; without blades {whole:.1e}");
-    // The amount and position of the light are polynomials, accurate to a thousandth each; edges are traced.
+    // The amount and position of the light are polynomials, accurate to a thousandth each; edges are found by tracing.
     assert!(off < 1e-3 && moved < 1e-3 && whole < 1e-3, "{off} {moved} {whole}");
 }

@@ -1,5 +1,5 @@
-//! Random cameras that nothing is tuned to: the catalogue's designs with other radii, thicknesses and apertures, and
-//! arbitrary lenses that pass the checks of a lens file; films, stops and focus distances of any kind.
+//! Random cameras to which nothing is tuned: the catalogue's designs with other radii, thicknesses and apertures, and
+//! arbitrary lenses that pass the checks of a lens file; with films, stops and focus distances of any kind.
 
 use std::fmt::Write;
 
@@ -59,7 +59,7 @@ fn changed_design(random: &mut SplitMix64) -> String {
         let thickness = change(2.0 * strength) * surface.thickness;
         let semi_diameter = change(4.0 * strength) * surface.semi_diameter;
         let widest = if radius == 0.0 { f64::INFINITY } else { 0.999 * radius.abs() };
-        // Infallible: writing to a string cannot fail.
+        // Writing to a string cannot fail.
         let _ = writeln!(text, "{radius} {thickness} {} {}", surface.n_film, 2.0 * semi_diameter.min(widest));
     }
     text

@@ -1,4 +1,5 @@
-//! Measures of a warped pupil's fit, independent of its construction: shared by the tests and the bench.
+//! Measures of a warped pupil's fit that are independent of the pupil's construction; the tests and the bench share
+//! them.
 #![allow(dead_code, reason = "each of the two uses a part")]
 
 pub mod lenses;
@@ -42,7 +43,7 @@ pub fn lens_at(name: &str, fnumber: Option<f64>) -> Lens {
     stopped(&lens, fnumber)
 }
 
-/// Returns a lens at an f-number, if it has a stop and is faster.
+/// Returns a lens at an f-number, if the lens has a stop and is faster than that.
 pub fn stopped(lens: &Lens, fnumber: Option<f64>) -> Lens {
     let mut lens = lens.clone();
     if let (Some(fnumber), Some(stop)) = (fnumber, lens.stop_index()) {
@@ -86,7 +87,7 @@ impl Case {
         WarpedPupil::new(&self.path, self.film, self.reach, [self.cover, self.exit])
     }
 
-    /// Returns the share of a film point's samples that passes, on `n` by `n` lens samples; `None` where the film is
+    /// Returns the share of a film point's samples that pass, on `n` by `n` lens samples; `None` where the film is
     /// dark.
     pub fn acceptance(&self, point: [f64; 2], n: u32) -> Option<f64> {
         let mut passed = 0;
@@ -107,8 +108,8 @@ impl Case {
         self.pupil.image_radius().map_or(corner, |end| 0.999 * end.min(corner))
     }
 
-    /// Returns the share of the map that passes and the share of the pupil that the map misses, by bisection for the
-    /// true edge along `n` half-lines.
+    /// Returns the share of the map that passes, and the share of the pupil that the map misses; the true edge is found
+    /// by bisection along `n` half-lines.
     pub fn fit(&self, point: [f64; 2], n: u32) -> (f64, f64) {
         let center = self.pupil.sample(point, [0.0; 2]).expect("lit").slopes;
         let edges: Vec<[f64; 3]> = (0..=n)
@@ -142,8 +143,8 @@ impl Case {
         (inside / mapped, 1.0 - inside / truth)
     }
 
-    /// Returns the parameter, at most 1, at which the half-line from the disk's centre toward `direction` leaves the
-    /// pupil.
+    /// Returns the parameter, at most 1, at which the half-line from the disk's centre in the given direction leaves
+    /// the pupil.
     fn edge(&self, point: [f64; 2], direction: [f64; 2]) -> f64 {
         let at = |r: f64| {
             let slopes = self.pupil.sample(point, direction.map(|x| r * x)).expect("lit").slopes;
@@ -163,8 +164,8 @@ impl Case {
         low
     }
 
-    /// Returns the expectation of a sample's weight: an integral over the disk's half-lines, with the exact point
-    /// where each leaves the pupil. For pupils without gaps.
+    /// Returns the expectation of a sample's weight: an integral over the disk's half-lines, with the exact point where
+    /// each half-line leaves the pupil. It applies to pupils without gaps.
     pub fn expected_weight(&self, point: [f64; 2], n: u32) -> f64 {
         let mean = |phi: f64| {
             let direction = [phi.cos(), phi.sin()];
@@ -178,8 +179,8 @@ impl Case {
         (0..n).map(|i| mean(TAU * (f64::from(i) + 0.37) / f64::from(n))).sum::<f64>() / f64::from(n)
     }
 
-    /// Returns the true irradiance from a disk of slopes: exact chords of the open region on `n` lines, found by a
-    /// scan of `scan` steps with bisected ends.
+    /// Returns the true irradiance from a disk of slopes, by exact chords of the open region on `n` lines. A scan of
+    /// `scan` steps finds the chords, and bisection their ends.
     pub fn irradiance(&self, point: [f64; 2], within: SlopeDisk, n: u32, scan: u32) -> f64 {
         let SlopeDisk { center, radius } = within;
         let step = 2.0 * radius / f64::from(n);
@@ -224,8 +225,8 @@ impl Case {
         SlopeDisk { center, radius: 1.2 * radius.fold(0.0, f64::max) }
     }
 
-    /// Returns the mean and relative variance of one flat-field sample's weight, blocked ones being 0, on `n` x `n`
-    /// lens samples.
+    /// Returns the mean and the relative variance of the weight of one flat-field sample, which is 0 for a blocked
+    /// sample, on `n` x `n` lens samples.
     pub fn weight(&self, point: [f64; 2], n: u32) -> (f64, f64) {
         let (mut sum, mut squares) = (0.0, 0.0);
         for (u, v) in grid(n) {

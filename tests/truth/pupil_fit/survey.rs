@@ -3,7 +3,7 @@
 
 use super::Case;
 
-/// Cells across the square that contains the pupil; half as many down, since the pupil is symmetric.
+/// Cells across the square that contains the pupil; half as many down, since the pupil is symmetric about the x axis.
 const ACROSS: usize = 160;
 const DOWN: usize = ACROSS / 2;
 /// Points tried as the centre of a star-shaped pupil.
@@ -25,7 +25,7 @@ pub struct Survey {
 pub enum Pupil {
     /// No ray of the survey passes.
     Dark,
-    /// One component that every half-line from some point leaves once.
+    /// One component; from some point, every half-line leaves it once.
     StarShaped,
     /// One component of another shape, or with a hole.
     OtherShape,
@@ -79,7 +79,7 @@ impl Survey {
         let point = [height, 0.0];
         let at = |disk: [f64; 2]| case.pupil.sample(point, disk).map(|sample| sample.slopes);
         let Some(center) = at([0.0; 2]) else { return 1.0 };
-        // The farthest distance of the map's edge by angle about the centre.
+        // Largest distance of the map's edge from the centre, by angle.
         let mut farthest = [0.0_f64; SECTORS];
         for i in 0..4 * SECTORS {
             let (sin, cos) = (std::f64::consts::TAU * i as f64 / (4 * SECTORS) as f64).sin_cos();
@@ -108,7 +108,7 @@ impl Survey {
     pub fn pupil(&self) -> Pupil {
         let lit = self.cells.iter().filter(|&&lit| lit).count();
         let Some(start) = (0..self.cells.len()).find(|&i| self.cells[i]) else { return Pupil::Dark };
-        // A component off the axis of symmetry has a twin. `find` begins in the row next to that axis.
+        // A component off the axis of symmetry has a mirrored twin. `find` begins in the row next to that axis.
         if start >= ACROSS || self.filled(start) < lit {
             return Pupil::Disconnected;
         }
@@ -125,7 +125,7 @@ impl Survey {
         }
     }
 
-    /// Counts the cells like `start` that are connected to it by edges and corners.
+    /// Counts the cells of the same state as `start` that are connected to it by edges and corners.
     fn filled(&self, start: usize) -> usize {
         let mut seen = vec![false; self.cells.len()];
         let (mut open, mut count) = (vec![start], 0);
@@ -157,7 +157,7 @@ impl Survey {
         };
         (0..HALF_LINES).all(|i| {
             let (dy, dx) = (std::f64::consts::PI * (i as f64 + 0.5) / HALF_LINES as f64).sin_cos();
-            // Runs of half cells of the other kind.
+            // Runs of half cells of the other state.
             let (mut gap, mut again) = (0, 0);
             for k in 0..2 * ACROSS + DOWN {
                 let r = 0.5 * k as f64;

@@ -11,16 +11,16 @@ pub struct Camera(pub *mut realistic_camera);
 
 impl Drop for Camera {
     fn drop(&mut self) {
-        // SAFETY: made by `camera`, freed once.
+        // SAFETY: the camera was made by `camera` and is freed once.
         unsafe { realistic_camera_free(self.0) }
     }
 }
 
-/// Builds the default camera of 40 x 30 pixels; `set` changes its options.
+/// Builds the default camera with 40 x 30 pixels; `set` changes its options.
 pub fn camera(set: impl FnOnce(&mut realistic_options)) -> Camera {
     let mut options = MaybeUninit::<realistic_options>::zeroed();
     let mut camera = null_mut();
-    // SAFETY: room for the whole structure; the strings are constants.
+    // SAFETY: there is room for the whole structure; the strings are constants.
     unsafe {
         let size = size_of::<realistic_options>() as u32;
         assert_eq!(realistic_options_init(options.as_mut_ptr(), size), realistic_status::Ok);

@@ -28,7 +28,7 @@ use realistic_trace::kernel::{Kernel, KernelScalar, RayBuffer};
 
 pub use properties::cases;
 
-/// The lenses of Kolb, Mitchell and Hanrahan's figure, and a film diagonal (mm) for each that it illuminates into the
+/// The lenses of Kolb, Mitchell and Hanrahan's figure, each with a film diagonal (mm) that it illuminates into the
 /// corners.
 pub const LENSES: [(&str, &str); 4] =
     [("dgauss.50mm", "35"), ("wide.22mm", "30"), ("telephoto.250mm", "26"), ("fisheye.10mm", "22")];
@@ -43,7 +43,8 @@ pub fn lens_of(text: &str) -> Lens {
     Lens::at_d_line(&read("own.dat", text.as_bytes()).unwrap_or_else(|error| panic!("{error}\n{text}")))
 }
 
-/// Applies `work` to each item on all cores, and returns the results in order; for tests that would otherwise end last.
+/// Applies `work` to each item on all cores, and returns the results in order; for tests that would otherwise be the
+/// last to end.
 pub fn on_all_cores<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
     let next = AtomicUsize::new(0);
     let take = || {
@@ -71,7 +72,7 @@ pub fn host() -> Host {
     Host::new(RASTER, None)
 }
 
-/// Returns [`host`] with a lens file's text.
+/// Returns [`host`] with the text of a lens file.
 pub fn host_with(text: &str) -> Host {
     Host { lens_text: Some(("own.dat".to_owned(), text.as_bytes().to_vec())), ..host() }
 }

@@ -40,7 +40,7 @@ pub fn ray(numbers: [f64; 6]) -> Ray {
     Ray { origin: [x, y, z], direction: [dx, dy, dz] }
 }
 
-/// Returns the distance of the points, and the angle between the directions.
+/// Returns the distance between the points, and the angle between the directions.
 pub fn difference(a: Ray, b: Ray) -> (f64, f64) {
     let distance = |p: [f64; 3], q: [f64; 3]| (0..3).map(|i| (p[i] - q[i]).powi(2)).sum::<f64>().sqrt();
     (distance(a.origin, b.origin), distance(a.direction, b.direction))

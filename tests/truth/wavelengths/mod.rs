@@ -17,7 +17,7 @@ use realistic_optics::{
 
 use super::support::{Random, on_all_cores};
 
-/// Wavelengths, nm: both ends, and between and at the tables of the pupil.
+/// Wavelengths, nm: both ends of the range, and wavelengths at and between the tables of the pupil.
 const WAVELENGTHS: [f32; 9] = [380.0, 386.0, 400.0, 434.0, 486.13, 546.07, 587.56, 660.0, 780.0];
 /// Width and height of the image, pixels.
 const SIZE: [u32; 2] = [1200, 800];
@@ -118,8 +118,8 @@ fn anywhere<const N: usize>(seed: u64) -> (SampleColumns, [f32; N]) {
     (samples, wavelengths)
 }
 
-/// Returns the largest difference between two rays: of directions, of origins relative to 100 mm, and of relative
-/// weights.
+/// Returns the largest of three differences between two rays: of the directions, of the origins relative to 100 mm, and
+/// of the weights relative to their size.
 fn difference((a, wa): (WorldRay, f32), (b, wb): (WorldRay, f32)) -> f64 {
     let apart = |a: [f32; 3], b: [f32; 3]| {
         a.iter().zip(b).map(|(a, b)| (f64::from(*a) - f64::from(b)).abs()).fold(0.0, f64::max)
@@ -129,8 +129,8 @@ fn difference((a, wa): (WorldRay, f32), (b, wb): (WorldRay, f32)) -> f64 {
 }
 
 /// Compares rays over the rear element's disk, whose samples are the same at every wavelength, with cameras built at
-/// each wavelength: returns the largest difference, the number of rays that pass only one of the two, and the number of
-/// rays.
+/// each wavelength. Returns the largest difference, the number of rays that pass only one of the two cameras, and the
+/// number of rays.
 fn against_cameras_of_each_wavelength(subject: &Subject, precision: Precision) -> (f64, usize, usize) {
     const N: usize = 512;
     let camera = |wavelength: f64| {
@@ -224,7 +224,7 @@ fn random_lenses_have_the_rays_of_a_camera_at_the_wavelength() {
 
 #[test]
 fn a_plate_shifts_rays_as_snells_law_has_it_at_each_wavelength() {
-    // N-BK7: n_e and so on from the maker's sheet (Schott, 517642.251).
+    // The n_e and other indices of N-BK7 are from the maker's sheet (Schott, 517642.251).
     const SHEET: [(f32, f64); 6] = [
         (404.7, 1.530_24),
         (435.8, 1.526_68),
@@ -244,7 +244,8 @@ fn a_plate_shifts_rays_as_snells_law_has_it_at_each_wavelength() {
             let (ray, _) = camera.ray_at(&sample, wavelength).expect("through");
             let [dx, _, dz] = ray.direction.map(f64::from);
             let inside = dx / index;
-            // From the film to the plate at the slope in air, through it at the refracted one.
+            // The path leads from the film to the plate at the slope in air, and through the plate at the refracted
+            // slope.
             let exact = subject.film_distance * dx / dz + thickness * inside / (1.0 - inside * inside).sqrt();
             let off = (f64::from(ray.origin[0]) - exact).abs();
             // Two numbers reproduce the sheet's index within 2e-4.
@@ -302,7 +303,7 @@ fn light_at_every_wavelength_is_that_of_brute_force() {
 }
 
 /// Returns the number of measurements with a subject, and the least share of samples that pass, with its case; pupils
-/// that are given up do not count.
+/// for which the map is given up do not count.
 fn against_brute_force(subject: &Subject, seed: u64) -> (u64, (f64, String)) {
     let (mut points, mut worst) = (0, (1.0_f64, String::new()));
     let mut is_given_up = false;
@@ -327,7 +328,7 @@ fn against_brute_force(subject: &Subject, seed: u64) -> (u64, (f64, String)) {
             );
             points += 2;
             let [found, error, _] = match acceptance {
-                // Too few pass to know the standard error.
+                // Too few samples pass to know the standard error.
                 ..0.1 => light::<8192>(&warped, raster, wavelength, seed + points - 2),
                 _ => [found, error, acceptance],
             };
@@ -348,7 +349,7 @@ fn against_brute_force(subject: &Subject, seed: u64) -> (u64, (f64, String)) {
 
 #[test]
 fn light_is_that_of_a_camera_built_at_the_wavelength() {
-    // Both sample the pupil, so that little noise remains.
+    // Both cameras sample the pupil, so that little noise remains.
     const N: usize = 8192;
     for name in ["dgauss.100mm", "retrofocus.24mm", "petzval.100mm", "fisheye.16mm", "phone.4mm"] {
         let diagonal = if name == "phone.4mm" { 5.6 } else { 36.0 };
@@ -548,8 +549,8 @@ fn what_a_weighting_divides_by_is_the_same_at_every_wavelength() {
 
 #[test]
 fn light_near_the_images_end_is_right_at_every_wavelength() {
-    // Every image ends on film of 120 mm, the phone's on a sixth of that; wavelengths between the tables' are included.
-    // Fisheyes are excluded: in the last hundredth of their images the maps of both cameras are given up.
+    // Every image ends on film of 120 mm, the phone's image on a sixth of that; wavelengths between those of the tables
+    // are included. Fisheyes are excluded: in the last hundredth of their images, both cameras give up the map.
     const N: usize = 4096;
     let subjects: Vec<Subject> = catalogue::names()
         .filter(|name| !name.starts_with("fisheye"))
@@ -562,7 +563,8 @@ fn light_near_the_images_end_is_right_at_every_wavelength() {
         for wavelength in (380..=780_u16).step_by(25).map(f32::from) {
             let there = subject.builder(wavelength.into()).build().expect("built");
             let image = subject.image_radius(wavelength.into());
-            // The last hundredth has less than a thousandth of the axis's irradiance: bounds are relative to that.
+            // The last hundredth has less than a thousandth of the axis's irradiance: bounds are relative to the
+            // irradiance there.
             for (part, enough, most) in [(0.97, 0.96, 4e-3), (0.99, 0.85, 8e-3), (0.999, 0.5, 6e-3)] {
                 let samples = even::<N>(subject.raster(part * image));
                 let mut rays = RayColumns::new(N);

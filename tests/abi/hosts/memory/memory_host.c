@@ -12,7 +12,7 @@
 
 #define N 300
 
-/* The allocator's own names, so that this layer counts every call. */
+/* The C library's own names of its allocator, so that this layer counts every call. */
 void *__libc_malloc(size_t);
 void *__libc_calloc(size_t, size_t);
 void *__libc_realloc(void *, size_t);
@@ -65,7 +65,7 @@ static rlim_t taken(void) {
     return pages * 4096;
 }
 
-/* Builds with some kB available: the status, and whether there is a camera. */
+/* Builds a camera with some kB available, and prints the status and whether there is a camera. */
 static void build(long kilobytes) {
     realistic_options given = options(0.0);
     realistic_camera *camera = NULL;
@@ -84,12 +84,12 @@ static void build(long kilobytes) {
 
 static void out_of_memory(void) {
     long kilobytes;
-    /* Smallest first: memory that a camera returns to the allocator may be enough for the next one. */
+    /* The smallest limit comes first: memory that a camera returns to the allocator may be enough for the next one. */
     for (kilobytes = 0; kilobytes < 12288; kilobytes += 256) build(kilobytes);
     build(1 << 16);
 }
 
-/* Allocations by single rays and by batches. */
+/* Counts the allocations by single rays and by batches. */
 static void count(void) {
     static realistic_sample samples[N];
     static realistic_ray rays[N];
@@ -98,7 +98,7 @@ static void count(void) {
     static realistic_reason reasons[N];
     static float beside[14][N];
     static float wavelengths[N];
-    /* With ghosts and transmission, which aspheres carry from surface to surface. */
+    /* Cameras with ghosts and transmission, which aspheres carry from surface to surface. */
     const struct {
         const char *lens, *transmission;
         double tolerance, ghosts;

@@ -1,4 +1,4 @@
-//! A host whose memory runs out, and the allocations of rays.
+//! A host whose memory runs out, and a count of the allocations by rays.
 
 use super::harness;
 
@@ -11,8 +11,8 @@ fn run(action: &str) -> Report {
     static HOST: OnceLock<PathBuf> = OnceLock::new();
     let host = HOST.get_or_init(|| {
         let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/abi/hosts/memory/memory_host.c");
-        // The host exports its counting functions, so that they take precedence over the C
-        // library's in the plugin, too.
+        // The host exports its counting functions, so that they take precedence over the C library's functions in the
+        // plugin, too.
         let flags: Vec<&str> = C99.into_iter().chain(["-rdynamic", "-fno-builtin"]).collect();
         compile_with(&c_compiler(), &flags, &source, "memory_host", &["-ldl"])
     });
@@ -29,7 +29,7 @@ fn a_host_whose_memory_is_out_gets_an_error_and_lives() {
             panic!("{line}");
         };
         assert!(["0", MEMORY].contains(&status) && (has_camera == "1") == (status == "0"), "{line}");
-        // The limit rises from too little memory to build a camera to enough.
+        // The limit rises from too little memory to build a camera to enough memory.
         assert!(kilobytes != "0" || status == MEMORY, "{line}");
         assert!(kilobytes != "65536" || status == "0", "{line}");
         *(if status == "0" { &mut built } else { &mut refused }) += 1;

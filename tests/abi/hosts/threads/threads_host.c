@@ -1,4 +1,4 @@
-/* A host that forks while another of its threads builds tables on demand, and one whose threads have small stacks.
+/* A host that forks while another of its threads builds tables on demand, and a host whose threads have small stacks.
  * mod.rs runs it: PLUGIN importance | wavelengths, or PLUGIN stack BYTES LENS... */
 
 #define _GNU_SOURCE
@@ -14,7 +14,7 @@
 #include <unistd.h>
 
 #define N 256
-/* Seconds after which a child that has not ended is waiting for a thread that it does not have. */
+/* Seconds after which a child that has not ended must be waiting for a thread that exists only in its parent. */
 #define PATIENCE 120
 
 static struct {
@@ -51,7 +51,7 @@ static realistic_camera *build(const char *lens, double tolerance) {
     return camera;
 }
 
-/* The density of a direction toward the lens. */
+/* Returns the density of a direction toward the lens. */
 static float aim(const realistic_camera *camera) {
     float x = 0, y = 0, z = 3000, u = 0.4f, v = 0.6f;
     float direction[3], density = -1, raster[2], importance, densities[3];
@@ -73,7 +73,7 @@ static float aim(const realistic_camera *camera) {
     return density;
 }
 
-/* The weight of a ray at a wavelength. */
+/* Returns the weight of a ray at a wavelength. */
 static float ray_at(const realistic_camera *camera) {
     realistic_sample sample = {15, 10, 0.5f, 0.5f, 0};
     realistic_ray ray;
@@ -99,8 +99,8 @@ static void *worker(void *argument) {
     return NULL;
 }
 
-/* Forks some time after a thread requests a table that is built on demand, and lets the child request it, too: whether
- * the child was forked before the thread had its result. */
+/* Forks some time after a thread requests a table that is built on demand, and lets the child request the table, too.
+ * Returns whether the child was forked before the thread had its result. */
 static int fork_after(double seconds, const char *lens, float (*trace_one)(const realistic_camera *)) {
     struct work work = {build(lens, 0.0), trace_one, -1, 0};
     pthread_t thread;
@@ -136,7 +136,7 @@ static double now(void) {
     return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
 }
 
-/* Forks at several moments of the first request, in its first half: a busy machine wakes late. */
+/* Forks at several moments in the first half of the first request, since a busy machine wakes threads late. */
 static void do_forks(int count, const char *lens, float (*trace_one)(const realistic_camera *)) {
     realistic_camera *camera = build(lens, 0.0);
     double start = now(), takes;
@@ -148,7 +148,7 @@ static void do_forks(int count, const char *lens, float (*trace_one)(const reali
     printf("early %d\n", early);
 }
 
-/* Every call that uses much stack. */
+/* Makes every call that uses much stack. */
 static void *everything(void *lens) {
     static realistic_sample samples[N];
     static realistic_ray rays[N];
