@@ -285,7 +285,7 @@ mod tests {
 
     #[test]
     fn the_real_fields_are_those_of_the_designs() {
-        // Smith's captions: half field 22 degrees for the double Gauss, 38 for the wide angle.
+        // Smith's captions: half field 22 degrees for the double Gauss, 38 for the wide angle, which is tested at 36.
         let degrees = |name: &str, half: f64| {
             let (_, field, f) = field(name);
             let height = f * half.to_radians().tan();

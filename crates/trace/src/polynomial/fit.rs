@@ -1,5 +1,5 @@
-//! Fit of the polynomials to a lens. The coefficients are computed by linear least squares over those of the given rays
-//! from the film that get through.
+//! Fit of the polynomials to a lens. The coefficients are computed by linear least squares over rays from the film that
+//! get through.
 
 use thiserror::Error;
 

@@ -42,8 +42,8 @@ impl LeastSquares {
     /// Adds a column, with one number for each equation.
     ///
     /// # Errors
-    /// Returns [`Dependent`] if the column is a linear combination of the columns before it, or if there are already as
-    /// many columns as equations.
+    /// Returns an error if the column is a linear combination of the columns before it, or if there are already as many
+    /// columns as equations.
     pub fn add(&mut self, mut numbers: Vec<f64>) -> Result<(), Dependent> {
         let row = self.columns.len();
         if row >= numbers.len() {
