@@ -52,8 +52,8 @@ impl Absorbers {
 }
 
 /// Step of the coefficient table, nm. A cubic through four points interpolates within a step. It is exact if no
-/// catalogue row lies inside, which holds for rows at whole nanometres; otherwise the error is below 1e-6 of the
-/// steepest glass's 1/mm.
+/// catalogue row lies inside the step, as is the case for rows at whole nanometres. Otherwise the error is below 1e-6
+/// of the coefficient, 1/mm, of the steepest glass.
 const CELL: f64 = 0.25;
 /// The absorption coefficients of [`Absorbers`], for lanes of single precision.
 #[derive(Clone, Debug)]

@@ -20,7 +20,8 @@ pub(super) struct Beam {
 }
 
 impl Beam {
-    /// Builds the beam of a lamp for a [`front_sphere`], given by z of its centre and its radius.
+    /// Builds the beam of a lamp for a [`front_sphere`](super::lamp::front_sphere), given by z of its centre and its
+    /// radius.
     pub fn new(lamp: Lamp, [z, sphere]: [f64; 2]) -> Self {
         let (toward, distance) = match lamp {
             Lamp::Distant(toward) => (unit(toward), None),

@@ -121,8 +121,8 @@ impl LitPath {
         &self.path
     }
 
-    /// Returns the cost of a ray, in units of [`Work`]: the number of surfaces that it meets plus the number of
-    /// transfer matrices that are computed for it.
+    /// Returns the cost of a ray, in units of [`Work`](super::work::Work): the number of surfaces that it meets plus
+    /// the number of transfer matrices that are computed for it.
     pub(super) fn work(&self) -> u64 {
         let last = self.surfaces.count() - 1;
         let surface = |step: &PathSurface<f64>| from_scene(&self.path, last, step.along);
