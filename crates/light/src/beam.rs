@@ -8,18 +8,20 @@ use realistic_optics::lens::Ray;
 pub(super) struct Beam {
     /// Centre of the sphere.
     center: [f64; 3],
-    /// Unit vector from the centre to the lamp, and the distance, mm, if it is finite.
+    /// Unit vector from the centre to the lamp, and the distance between them, mm; `None` if the distance is infinite.
     toward: [f64; 3],
     distance: Option<f64>,
-    /// Unit vectors across the beam, perpendicular to each other; the first is perpendicular to the axis.
+    /// Unit vectors perpendicular to the beam and to each other; the first is also perpendicular to the optical axis.
     across: [f64; 3],
     up: [f64; 3],
-    /// Radius, mm, of the disk through the centre, across the beam, that all light for the sphere passes.
+    /// Radius, mm, of a disk around the centre, perpendicular to the beam. All light that meets the sphere passes this
+    /// disk.
     pub radius: f64,
 }
 
 impl Beam {
-    /// Builds the beam; `front` is a [`front_sphere`].
+    /// Builds the beam of a lamp for a [`front_sphere`](super::lamp::front_sphere), given by z of its centre and its
+    /// radius.
     pub fn new(lamp: Lamp, [z, sphere]: [f64; 2]) -> Self {
         let (toward, distance) = match lamp {
             Lamp::Distant(toward) => (unit(toward), None),
@@ -40,7 +42,8 @@ impl Beam {
         Self { center: [0.0, 0.0, z], toward, distance, across, up, radius }
     }
 
-    /// Returns the ray through a point of the disk, in units of its radius, and the irradiance there, W/m².
+    /// Returns the ray through a point of the disk, given in units of the disk's radius, and the irradiance at that
+    /// point, W/m².
     pub fn ray(&self, [x, y]: [f64; 2]) -> (Ray, f64) {
         let (x, y) = (x * self.radius, y * self.radius);
         let point: [f64; 3] = std::array::from_fn(|k| self.center[k] + x * self.across[k] + y * self.up[k]);
@@ -50,15 +53,15 @@ impl Beam {
         };
         let origin: [f64; 3] = std::array::from_fn(|k| self.center[k] + distance * self.toward[k]);
         let direction: [f64; 3] = std::array::from_fn(|k| point[k] - origin[k]);
-        // The lamp's intensity is uniform; it gives 1 W/m² at the centre.
+        // The intensity of the lamp is the same in all directions, and the irradiance at the centre is 1 W/m².
         (Ray { origin, direction }, (distance / dot(direction, direction).sqrt()).powi(3))
     }
 }
 
-/// A rectangle of the disk's plane ([`Beam::radius`]), in units of the disk's radius.
+/// A rectangle in the plane of the disk ([`Beam::radius`]), in units of the disk's radius.
 pub(super) type Part = [[f64; 2]; 2];
 
-/// Cells over a part, `side` rows of `side`.
+/// A grid of `side` x `side` cells over a part.
 #[derive(Clone, Copy)]
 pub(super) struct BeamGrid {
     pub part: Part,

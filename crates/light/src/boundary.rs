@@ -1,30 +1,33 @@
-//! Reflection and transmission of a lens surface as a table over the cosine of incidence: one for each distinct pair of
-//! media and stack, at one wavelength. A lens at another wavelength has its own tables, so nothing is interpolated
-//! between wavelengths.
+//! Reflection and transmission of a lens surface as a table over the cosine of incidence. There is one table for each
+//! distinct combination of two media and a stack, at one wavelength. A lens at another wavelength has its own tables,
+//! so nothing is interpolated between wavelengths.
 //!
-//! The cosine is that in the medium of the lower index. Every entry is a smooth function of it up to grazing incidence,
-//! and it serves rays of both directions: at angles that Snell's law joins, R and T are equal from both sides, and only
-//! the phases of the reflection differ. Entries are interpolated by the cubic through four of them.
+//! The cosine is measured in the medium with the lower index. Every entry is a smooth function of this cosine up to
+//! grazing incidence. One table serves rays of both directions: at angles that are related by Snell's law, R and T are
+//! equal from both sides, and only the phases of the reflection differ. The table is interpolated by the cubic through
+//! four entries.
 
 use super::stack::{Share, Split, split, split_from_behind};
 use realistic_optics::prescription::Layer;
 
-/// Intervals of the table per wavelength of optical thickness. The error is below 2e-7 for a bare surface, and below
-/// 2e-6 for stacks, whose phases turn once per wavelength. Four times as many intervals reduce it 256 times.
+/// Number of table intervals per wavelength of optical thickness. The interpolation error is below 2e-7 for a bare
+/// surface, and below 2e-6 for stacks, whose phases make one turn per wavelength. Four times as many intervals would
+/// reduce the error by a factor of 256.
 const INTERVALS: usize = 128;
 
 /// The cosine used for grazing incidence.
 const GRAZING: f64 = 1e-9;
 
-/// Table entry: transmission, reflection on the rarer side and on the denser side, each with s, p and the cross term.
+/// Table entry: transmission, reflection on the rarer side, and reflection on the denser side. Each consists of s, p,
+/// and the real and the imaginary part of the cross term.
 type Entry = [[f64; 4]; 3];
 
 /// A surface between two media, coated or not, at a wavelength.
 #[derive(Clone, Debug)]
 pub struct Boundary {
-    /// Indices of the first and second medium.
+    /// Refractive indices of the first and the second medium.
     media: [f64; 2],
-    /// The stack in the order of the light from `media[0]` on.
+    /// The layers of the stack, in the order in which light from `media[0]` meets them.
     layers: Vec<Layer>,
     wavelength: f64,
     /// Number of table intervals.
@@ -33,8 +36,8 @@ pub struct Boundary {
 }
 
 impl Boundary {
-    /// Builds the boundary between media of these indices, with `layers` in the order from the first to the second, at
-    /// a wavelength in nm.
+    /// Builds the boundary between media with these refractive indices at a wavelength, nm; `layers` are listed from
+    /// the first medium to the second.
     pub fn new(media: [f64; 2], layers: &[Layer], wavelength: f64) -> Self {
         Self::untabulated(media, layers, wavelength).tabulated()
     }
@@ -42,8 +45,8 @@ impl Boundary {
     /// Returns this boundary with a table.
     pub(super) fn tabulated(mut self) -> Self {
         if !self.is_none() {
-            // One extrapolated entry at each end gives every interval its neighbours. Grazing incidence itself, where p
-            // has no admittance, is replaced by a cosine next to it.
+            // With one extrapolated entry at each end, every interval has the four entries that the cubic needs.
+            // Grazing incidence itself, where p has no admittance, is replaced by a cosine near 0.
             let intervals = self.intervals;
             let at = |i: usize| self.entry((i as f64 / intervals as f64).max(GRAZING));
             let mut entries: Vec<Entry> = (0..=intervals).map(at).collect();
@@ -60,24 +63,25 @@ impl Boundary {
         self
     }
 
-    /// Builds the boundary without a table: each angle is computed when needed.
+    /// Builds the boundary without a table; each angle is computed when it is needed.
     pub fn untabulated(media: [f64; 2], layers: &[Layer], wavelength: f64) -> Self {
         let thickness: f64 = layers.iter().map(|layer| layer.index * layer.thickness).sum();
         let intervals = INTERVALS * (thickness / wavelength).ceil().max(1.0) as usize;
         Self { media, layers: layers.to_vec(), wavelength, intervals, entries: Vec::new() }
     }
 
-    /// Returns the number of transfer matrices that one angle takes from both sides: the layers and the media.
+    /// Returns the number of transfer matrices that are computed for one angle, from one side: one per layer, and one
+    /// for the media.
     pub(super) fn matrices(&self) -> u64 {
         self.layers.len() as u64 + 1
     }
 
-    /// Returns the number of entries of its table, built or not.
+    /// Returns the number of entries that the boundary's table has, or would have if it were built.
     pub(super) fn table_size(&self) -> u64 {
         if self.is_none() { 0 } else { self.intervals as u64 + 3 }
     }
 
-    /// Whether every angle is computed when needed.
+    /// Whether there is no table, so that each angle is computed when it is needed.
     pub(super) fn is_untabulated(&self) -> bool {
         self.entries.is_empty() && !self.is_none()
     }
@@ -92,7 +96,7 @@ impl Boundary {
         self.media == media && self.layers == layers
     }
 
-    /// Returns the entry at this cosine in the rarer medium.
+    /// Computes the table entry for a cosine of incidence in the rarer medium.
     fn entry(&self, cosine: f64) -> Entry {
         let [low, high] = self.ordered();
         let ratio = low / high;
@@ -102,7 +106,7 @@ impl Boundary {
             .map(|Share { s, p, cross: [re, im] }| [s, p, re, im])
     }
 
-    /// Returns the lower index and the higher.
+    /// Returns the refractive indices of the media, the lower index first.
     pub(super) fn ordered(&self) -> [f64; 2] {
         let [a, b] = self.media;
         [a.min(b), a.max(b)]

@@ -1,5 +1,5 @@
-//! Lenses with coated surfaces, and paths through them: takes a ray, returns the ray behind the lens and its remaining
-//! power.
+//! Lenses with coated surfaces, and paths through them. A ray that is traced along a path gives the ray behind the lens
+//! and the remaining share of its power.
 
 use std::{borrow::Borrow, sync::Arc};
 
@@ -18,18 +18,20 @@ use realistic_optics::{
 /// Optical properties of the surfaces of a lens, at the lens's wavelength.
 #[derive(Clone, Debug)]
 pub struct Surfaces {
-    /// Distinct boundaries, so small in number that a ray's tables stay in the first-level cache; all paths of a lens
-    /// share them.
+    /// The distinct boundaries, which all paths of a lens share. They are so few that the tables that a ray needs stay
+    /// in the first-level cache.
     boundaries: Arc<[Boundary]>,
-    /// Index of each surface's boundary, from the scene side.
+    /// Index of the boundary of each surface; surfaces are counted from the scene.
     of_surface: Arc<[usize]>,
-    /// Absorption coefficient of the medium behind each surface, 1/mm.
+    /// Absorption coefficient, 1/mm, of the medium behind each surface.
     absorption: Arc<[f64]>,
 }
 
-/// Maximum number of table entries per lens: some 4 MB. Surfaces beyond that are computed for each ray.
+/// Maximum number of table entries per lens, some 4 MB. The remaining surfaces have no tables: they are computed for
+/// each ray.
 const ENTRIES: u64 = 40_000;
-/// Maximum number of transfer matrices spent on tables: some 60 ms. A mirror of fifty layers takes a twelfth.
+/// Maximum number of transfer matrices computed for the tables of a lens, some 60 ms. A mirror of fifty layers takes a
+/// twelfth of them.
 const MATRICES: u64 = 1_000_000;
 
 impl Surfaces {
@@ -39,17 +41,18 @@ impl Surfaces {
         Self::with(lens, |_| &coating, true)
     }
 
-    /// Builds the surfaces of a lens with these coatings, from the scene on.
+    /// Builds the surfaces of a lens with these coatings, listed from the scene on.
     pub fn of_each(lens: &Lens, coatings: &[SurfaceCoating]) -> Self {
         Self::with(lens, |surface| &coatings[surface], true)
     }
 
-    /// [`Surfaces::of_each`] without tables, for a small number of rays.
+    /// Builds the surfaces as [`Surfaces::of_each`] does, but without tables, for a small number of rays.
     pub fn untabulated(lens: &Lens, coatings: &[SurfaceCoating]) -> Self {
         Self::with(lens, |surface| &coatings[surface], false)
     }
 
-    /// Builds the surfaces with a coating per surface, counted from the scene, with tables or without.
+    /// Builds the surfaces with tables or without them; `coating` returns the coating of a surface, counted from the
+    /// scene.
     fn with<'a>(lens: &Lens, coating: impl Fn(usize) -> &'a SurfaceCoating, has_tables: bool) -> Self {
         let mut boundaries: Vec<Boundary> = Vec::new();
         let (mut entries, mut matrices) = (0, 0);
@@ -81,13 +84,13 @@ impl Surfaces {
         &self.boundaries[self.of_surface[surface]]
     }
 
-    /// Returns the number of transfer matrices computed for light at a surface.
+    /// Returns the number of transfer matrices that are computed for each ray at a surface.
     fn matrices(&self, surface: usize) -> u64 {
         let boundary = self.boundary(surface);
         if boundary.is_untabulated() { boundary.matrices() } else { 0 }
     }
 
-    /// Returns the indices of the surfaces that reflect, from the scene side.
+    /// Returns the indices of the surfaces that reflect, counted from the scene.
     pub fn reflecting(&self) -> Vec<usize> {
         (0..self.of_surface.len()).filter(|&surface| !self.boundary(surface).is_none()).collect()
     }
@@ -106,7 +109,8 @@ impl LitPath {
         Self { path, surfaces: surfaces.clone() }
     }
 
-    /// Returns the path without clear apertures: light just outside the lit area then continues that within.
+    /// Returns the path without its clear apertures, so that the light just outside the lit area continues the light
+    /// within it.
     #[must_use]
     pub(super) fn without_edges(&self) -> Self {
         Self { path: self.path.clone().without_edges(), ..self.clone() }
@@ -117,7 +121,8 @@ impl LitPath {
         &self.path
     }
 
-    /// Returns the cost of a ray, in units of [`Work`]: surfaces, and transfer matrices computed for it.
+    /// Returns the cost of a ray, in units of [`Work`](super::work::Work): the number of surfaces that it meets plus
+    /// the number of transfer matrices that are computed for it.
     pub(super) fn work(&self) -> u64 {
         let last = self.surfaces.count() - 1;
         let surface = |step: &PathSurface<f64>| from_scene(&self.path, last, step.along);
@@ -136,7 +141,8 @@ impl LitPath {
     }
 }
 
-/// All paths from the film with no reflection or two ([`FoldedPaths`]), with the optical properties of the surfaces.
+/// All paths from the film that have no reflection or two reflections ([`FoldedPaths`]), with the optical properties of
+/// the surfaces.
 #[derive(Clone, Debug)]
 pub struct LitPaths {
     paths: FoldedPaths,
@@ -155,18 +161,18 @@ impl LitPaths {
         self.surfaces.of_surface.len()
     }
 
-    /// Returns the work of light at every surface once, see [`LitPath::work`].
+    /// Returns the cost of a ray that meets every surface once, as [`LitPath::work`] does.
     pub(super) fn work(&self) -> u64 {
         let matrices = (0..self.surfaces()).map(|surface| self.surfaces.matrices(surface));
         self.paths.direct().work() as u64 + matrices.sum::<u64>()
     }
 
-    /// Returns the path of a pair on its own.
+    /// Returns the path of a pair as a separate [`Path`].
     pub fn path(&self, pair: Pair) -> Path {
         self.paths.path(Some(self.mirrors(pair)))
     }
 
-    /// [`LitPath::trace`] along the path of a pair.
+    /// Traces a ray as [`LitPath::trace`] does, along the path of a pair.
     ///
     /// # Errors
     /// See [`LitPath::trace`].
@@ -182,33 +188,35 @@ impl LitPaths {
     }
 }
 
-/// Two surfaces, counted from the scene, `[nearer the scene, nearer the film]`.
+/// The indices of two surfaces, counted from the scene: `[nearer the scene, nearer the film]`.
 pub type Pair = [usize; 2];
 
-/// Function that returns the refractive index and the absorption coefficient, 1/mm, behind a surface, counted from the
-/// scene, at a wavelength, nm.
+/// Function of the index of a surface, counted from the scene, and a wavelength, nm. It returns the refractive index
+/// and the absorption coefficient, 1/mm, of the medium behind the surface.
 pub type MediumAt = Arc<dyn Fn(usize, f64) -> [f64; 2] + Send + Sync>;
 
-/// `LitPaths` at any wavelength. Indices and coatings are computed during the trace, so a ray allocates nothing.
+/// `LitPaths` at any wavelength. Indices and coatings are computed during the trace, so the trace of a ray allocates no
+/// memory.
 #[derive(Clone)]
 pub struct SpectralPaths {
     paths: FoldedPaths,
-    /// Layers of each surface, counted from the scene, from the air on.
+    /// Layers of each surface, listed from the air on; surfaces are counted from the scene.
     layers: Arc<[Vec<Layer>]>,
     medium: MediumAt,
 }
 
 impl SpectralPaths {
-    /// Builds the paths of a lens with blades in its stop and these coatings, from the scene on. The lens must have the
-    /// largest indices of all wavelengths, because bounds of aspheres are derived from them.
+    /// Builds the paths of a lens with blades in its stop and these coatings, listed from the scene on. The media of
+    /// `lens` must have the largest refractive indices of all wavelengths, because bounds of aspheres are derived from
+    /// these indices.
     pub fn new(lens: &Lens, blades: Option<Blades>, coatings: &[SurfaceCoating], medium: MediumAt) -> Self {
         let paths = FoldedPaths::new(lens, Direction::FilmToScene, Refraction::Fused, blades);
         let layers = coatings.iter().map(SurfaceCoating::from_air).collect();
         Self { paths, layers, medium }
     }
 
-    /// Traces light as [`LitPath::trace`] does, without tables, at a wavelength, nm: along the path of a pair, or along
-    /// the direct path without a pair.
+    /// Traces light as [`LitPath::trace`] does, without tables, at a wavelength, nm. The light follows the path of the
+    /// pair or, if `pair` is `None`, the direct path.
     ///
     /// # Errors
     /// See [`LitPath::trace`].
@@ -219,7 +227,7 @@ impl SpectralPaths {
         let steps = self.paths.steps(mirrors).map(|step| {
             let surface = last - step.along;
             let before = surface.checked_sub(1).map_or(1.0, index);
-            // Rays from the film come from behind, except between two mirrors.
+            // Rays from the film meet a surface from behind, except between two mirrors.
             let media = [index(surface), before];
             step.between(if step.is_backward { [media[1], media[0]] } else { media })
         });
@@ -233,14 +241,14 @@ impl std::fmt::Debug for SpectralPaths {
     }
 }
 
-/// Optical properties of surfaces, counted from the scene.
+/// Optical properties of surfaces; surfaces are counted from the scene.
 trait CoatedOptics {
     /// Returns the number of surfaces.
     fn count(&self) -> usize;
-    /// Returns the absorption coefficient behind a surface, 1/mm.
+    /// Returns the absorption coefficient, 1/mm, of the medium behind a surface.
     fn absorption(&self, surface: usize) -> f64;
-    /// Returns the share that light keeps at an intersection with this cosine of incidence; `None` where there is no
-    /// boundary.
+    /// Returns the share of the light that remains after an intersection with this cosine of incidence; `None` where
+    /// there is no boundary.
     fn share(&self, surface: usize, met: &Meeting, cosine: f64) -> Option<Share>;
 }
 
@@ -287,7 +295,8 @@ impl CoatedOptics for AtWavelength<'_> {
     }
 }
 
-/// Converts an index along a path to one from the scene; `last` is the index of the last surface.
+/// Converts the index of a surface along a path to its index counted from the scene; `last` is the index of the last
+/// surface.
 fn from_scene(path: &Path, last: usize, along: usize) -> usize {
     match path.direction() {
         Direction::FilmToScene => last - along,
@@ -308,7 +317,7 @@ fn carry<S: Borrow<PathSurface<f64>>>(
     let mut before: Option<usize> = None;
     let ray = path.meetings_over(steps, ray, |met| {
         let surface = from_scene(path, last, met.along);
-        // The medium between two neighbours is behind the one nearer to the scene.
+        // The medium between two neighbouring surfaces is the one behind the surface nearer to the scene.
         if let Some(before) = before.replace(surface) {
             let medium = before.min(surface);
             let absorption = optics.absorption(medium);

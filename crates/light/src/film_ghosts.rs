@@ -1,20 +1,23 @@
-//! Ghosts sampled from the film: for each pair of surfaces the path from film to scene, the probability of sampling it,
-//! and the slopes to sample. Returns film rays with their slope area and path.
+//! Ghosts sampled from the film. For each pair of surfaces, this module has the path from film to scene, the
+//! probability of sampling that path, and the slopes to sample. A sample is a film ray with its slope area and its
+//! path.
 //!
-//! The radiance along a ghost's path is that of the scene times the transmission of its surfaces, so its irradiance is
-//! the integral of L cos⁴θ' over the same slopes as without a reflection: those of all rays through the rear surface,
-//! the *cover*. Most ghosts come from a small part of it. A survey searches for that part at several film radii, as a
-//! disk of slopes, and measures the light that a uniform sky sends along each pair. Pairs are chosen in proportion to
-//! that light.
+//! The radiance at the film along the path of a ghost is the radiance of the scene times the share of the light that
+//! the surfaces of the path leave. The irradiance of a ghost is therefore the integral of L cos⁴θ' over the same slopes
+//! as without a reflection: the slopes of all rays through the rear surface, called the *cover*. Most ghosts come from
+//! a small part of the cover. A survey searches for that part at several film radii, as a disk of slopes, and measures
+//! the light that a uniform sky sends along each pair. Pairs are chosen in proportion to that light.
 //!
-//! No survey is certain to find every ray. One sample in eight is therefore taken in the whole cover, and its area
-//! counts both disks where they overlap (the balance heuristic of E. Veach and L. J. Guibas, "Optimally Combining
-//! Sampling Techniques for Monte Carlo Rendering", 1995); and a share of the samples goes to all pairs with equal
-//! probability. The estimate is thus unbiased whatever the survey finds, and nothing is left out.
+//! No survey is certain to find every ray. One sample in eight of a pair is therefore taken from the whole cover, and
+//! the slope area of a sample accounts for the sampling densities of both disks where they overlap (the balance
+//! heuristic of E. Veach and L. J. Guibas, "Optimally Combining Sampling Techniques for Monte Carlo Rendering", 1995).
+//! In addition, a share of the samples is distributed uniformly over all pairs. The estimate is thus unbiased whatever
+//! the survey finds, and no ghost is left out.
 //!
-//! The survey has a bound on its work ([`Work`]) and takes the pairs in the order of their first-order estimate
-//! ([`Pairs`]). A pair that it does not reach is sampled in the whole cover; all such pairs get, in sum,
-//! the share of the samples that this estimate gives them. All pairs use one set of surfaces ([`LitPaths`]).
+//! The work of the survey is bounded ([`Work`]). The survey examines the pairs in the order of first-order estimates of
+//! their light ([`Pairs`]), the brightest first. A pair that the survey does not reach is sampled from the whole cover.
+//! The share of the samples that is distributed uniformly over all pairs grows with the estimated share of the light of
+//! such pairs. All pairs use one set of surfaces ([`LitPaths`]).
 
 use super::{
     coated::{LitPath, LitPaths, Pair, Surfaces},
@@ -30,21 +33,22 @@ use realistic_trace::kernel::{ClearanceTracer, FilmRay};
 
 /// Intervals between the film radii of the survey.
 const INTERVALS: usize = 16;
-/// Number of slopes across a disk in the first search, and in the second if the first finds no ray.
+/// Number of slopes along the diameter of a disk in the first search, and in a second search if the first finds no ray.
 const GRID: [usize; 2] = [24, 48];
-/// Number of transmitted rays that locate the part well enough.
+/// Number of transmitted rays that suffice to locate the part of the cover that a ghost comes from.
 const ENOUGH: usize = 40;
-/// Maximum number of searches, each within the result of the last.
+/// Maximum number of searches; each is confined to the disk that the previous search found.
 const ROUNDS: usize = 3;
-/// Number of transmitted rays whose light is traced: the light is nearly the same along all rays.
+/// Maximum number of transmitted rays whose light is traced. A few suffice, because the light is nearly the same along
+/// all rays.
 const LIT: usize = 6;
-/// Work of the survey: some 0.2 s.
+/// Maximum work of the survey, some 0.2 s.
 const WORK: u64 = 4_000_000;
-/// Units of work to prepare one step of a path.
+/// Units of work that the preparation of one step of a path takes.
 const PER_STEP: u64 = 4;
-/// Share of a pair's samples that are taken in the whole cover.
+/// Share of a pair's samples that is taken from the whole cover.
 const WHOLE: f64 = 0.125;
-/// Minimum share of all samples that go to every pair with equal probability.
+/// Minimum share of the samples that is distributed uniformly over all pairs.
 const UNIFORM: f64 = 0.05;
 
 /// All pairs of a lens, sampled from the film.
@@ -58,7 +62,7 @@ pub struct FilmGhosts {
     surveyed: Vec<Surveyed>,
     /// Cumulative probabilities of the surveyed pairs, in [0, 1].
     ends: Vec<f64>,
-    /// Share of the samples that go to all pairs with equal probability.
+    /// Share of the samples that is distributed uniformly over all pairs.
     alike: f64,
 }
 
@@ -66,7 +70,7 @@ pub struct FilmGhosts {
 #[derive(Clone, Debug)]
 struct Surveyed {
     pair: Pair,
-    /// Slope disk at each film radius, for a film point on +x; `None` if no ray was found.
+    /// Slope disk at each film radius, for a film point on the positive x axis; `None` if no ray was found.
     disks: [Option<SlopeDisk>; INTERVALS + 1],
 }
 
@@ -75,7 +79,7 @@ struct Surveyed {
 pub struct PairChoice {
     /// The pair.
     pub pair: Pair,
-    /// Index in the survey, if the pair was surveyed.
+    /// Index among the surveyed pairs; `None` if the pair was not surveyed.
     surveyed: Option<usize>,
     /// Probability of the choice.
     pub probability: f64,
@@ -87,7 +91,7 @@ pub struct PairChoice {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlopeChoice {
     disk: SlopeDisk,
-    /// The disk of the survey, if any, and the cover.
+    /// The disk that the survey found, if any, and the cover.
     found: Option<SlopeDisk>,
     cover: SlopeDisk,
     /// The random number rescaled to [0, 1] for further use.
@@ -95,8 +99,9 @@ pub struct SlopeChoice {
 }
 
 impl FilmGhosts {
-    /// Surveys a lens with film at z = `film` for rays out to `reach`, mm. `cover` returns the slopes of all rays from
-    /// a film point through the rear surface. `None` if fewer than two surfaces reflect.
+    /// Surveys a lens with the film at z = `film`, mm, for rays from film points up to the distance `reach`, mm, from
+    /// the axis. `cover` returns the slopes of all rays from a film point through the rear surface. Returns `None` if
+    /// fewer than two surfaces reflect.
     pub fn new(
         lens: &Lens,
         blades: Option<Blades>,
@@ -151,19 +156,20 @@ impl FilmGhosts {
         self.surveyed.len()
     }
 
-    /// Returns the share of the samples that go to all pairs with equal probability.
+    /// Returns the fraction of the samples that are distributed uniformly over all pairs.
     pub fn alike(&self) -> f64 {
         self.alike
     }
 
-    /// Returns the work of a ray along the longest path: surfaces intersected, and layers computed for it.
+    /// Returns the work of a ray along the longest path: the number of surfaces that the ray intersects plus the number
+    /// of transfer matrices that are computed for it.
     pub fn work_per_ray(&self) -> usize {
         3 * self.paths.work() as usize
     }
 
     /// Chooses a pair by a random number from 0 to 1.
     pub fn choose(&self, number: f64) -> PairChoice {
-        // The number is rescaled from [0, 1), and rounding may give 1.
+        // Rescales a number in [from, to) to [0, 1); rounding may give 1.
         let part = |number: f64, from: f64, to: f64| ((number - from) / (to - from)).clamp(0.0, 1.0);
         let (pair, surveyed, rest) = if number < self.alike || self.alike >= 1.0 {
             let at = part(number, 0.0, self.alike) * self.count() as f64;
@@ -185,7 +191,8 @@ impl FilmGhosts {
         PairChoice { pair, surveyed, probability, rest }
     }
 
-    /// Chooses the disk of slopes at a film point by the rescaled number; `cover` holds the slopes of all rays.
+    /// Chooses the disk of slopes to sample at a film point, by the rescaled number in `chosen`. `cover` contains the
+    /// slopes of all rays from that point through the rear surface.
     pub fn slopes(&self, chosen: &PairChoice, point: [f64; 2], cover: SlopeDisk) -> SlopeChoice {
         let found = chosen.surveyed.and_then(|index| self.surveyed[index].disk(point, self.step));
         let of = |disk, rest: f64| SlopeChoice { disk, found, cover, rest: rest.clamp(0.0, 1.0) };
@@ -207,7 +214,7 @@ impl FilmGhosts {
 }
 
 impl Surveyed {
-    /// Returns the disk at a film point, interpolated between the neighbouring radii.
+    /// Returns the slope disk at a film point, interpolated between the neighbouring film radii.
     fn disk(&self, [x, y]: [f64; 2], step: f64) -> Option<SlopeDisk> {
         let radius = x.hypot(y);
         let at = (radius / step).min(INTERVALS as f64);
@@ -221,19 +228,19 @@ impl Surveyed {
             }
             (a, b) => a.or(b)?,
         };
-        // The disk turns with the film point; on the axis there is no azimuth.
+        // The disk has the azimuth of the film point; on the axis there is no azimuth.
         let turned = if radius > 0.0 { along / radius } else { 0.0 };
         Some(SlopeDisk { center: [turned * x, turned * y], radius: wide })
     }
 }
 
 impl SlopeChoice {
-    /// Maps a point of the unit disk to slopes. Also returns the slope area of the sample, over π.
+    /// Maps a point of the unit disk to slopes. Also returns the slope area that the sample represents, divided by π.
     pub fn at(&self, [u, v]: [f64; 2]) -> ([f64; 2], f64) {
         let SlopeDisk { center: [x, y], radius } = self.disk;
         let slopes = [x + radius * u, y + radius * v];
         let Some(found) = self.found else { return (slopes, radius * radius) };
-        // The sampling density of both disks there.
+        // The sampling density of a disk at these slopes, times π.
         let density = |disk: &SlopeDisk, share: f64| {
             let away = (slopes[0] - disk.center[0]).hypot(slopes[1] - disk.center[1]);
             if away <= disk.radius * (1.0 + 1e-12) { share / (disk.radius * disk.radius) } else { 0.0 }
@@ -242,26 +249,26 @@ impl SlopeChoice {
     }
 }
 
-/// Slopes of a grid along which rays get through.
+/// The result of a search: the slopes of a grid whose rays get through the lens.
 struct FoundPair {
-    /// A disk that holds them.
+    /// A disk that contains these slopes.
     disk: SlopeDisk,
     passed: Vec<[f64; 2]>,
-    /// Step between two slopes of the grid.
+    /// Step between neighbouring slopes of the grid.
     step: f64,
 }
 
 /// A search for the rays of one pair.
 struct PairSurvey<'a> {
     lit: LitPath,
-    /// Tests rays in batches for whether they get through.
+    /// Tests, in batches, whether rays get through.
     tracer: ClearanceTracer,
     film: f64,
     work: &'a Work,
 }
 
 impl<'a> PairSurvey<'a> {
-    /// Returns the search for a pair; `None` if no work is left for it.
+    /// Prepares the search for a pair; `None` if too little work is left for it.
     fn of(round: &LitPaths, pair: Pair, surfaces: &Surfaces, film: f64, work: &'a Work) -> Option<Self> {
         let lit = LitPath::new(round.path(pair), surfaces);
         if !work.spend(PER_STEP * lit.path().work() as u64) {
@@ -271,8 +278,8 @@ impl<'a> PairSurvey<'a> {
         Some(Self { lit, tracer, film, work })
     }
 
-    /// Returns the disks of a pair at all radii, and the light that a uniform sky sends along it to the film; `None` if
-    /// no work is left for it.
+    /// Returns the slope disks of a pair at all film radii, and the light that a uniform sky sends along the path of
+    /// the pair to the film; `None` if no work is left.
     fn pair(&self, pair: Pair, step: f64, cover: impl Fn([f64; 2]) -> SlopeDisk) -> Option<(Surveyed, f64)> {
         let (mut disks, mut energy) = ([None; INTERVALS + 1], 0.0);
         for (i, disk) in disks.iter_mut().enumerate() {
@@ -286,8 +293,8 @@ impl<'a> PairSurvey<'a> {
         self.work.is_left().then_some((Surveyed { pair, disks }, energy))
     }
 
-    /// Returns a disk that holds the slopes of transmitted rays from a film radius, to the accuracy of a grid, and the
-    /// integral of cos⁴ times the remaining light over them.
+    /// Returns a disk that contains the slopes of the transmitted rays from a film point at this radius, to the
+    /// accuracy of a grid, and the integral of cos⁴ times the remaining light over these slopes.
     fn radius(&self, radius: f64, cover: SlopeDisk) -> Option<(SlopeDisk, f64)> {
         let mut within = cover;
         for round in 0..ROUNDS {
@@ -304,8 +311,8 @@ impl<'a> PairSurvey<'a> {
         None
     }
 
-    /// Searches a grid of slopes in a disk for rays that get through. By symmetry one side of the film's radius
-    /// represents both.
+    /// Searches a grid of slopes in a disk for rays that get through. By symmetry, the slopes on one side of the plane
+    /// through the axis and the film point represent those on both sides.
     fn search_grid(
         &self,
         radius: f64,
@@ -336,7 +343,7 @@ impl<'a> PairSurvey<'a> {
         (!passed.is_empty()).then_some(FoundPair { disk, passed, step })
     }
 
-    /// Returns the integral over the slopes of a grid that get through.
+    /// Returns the integral of cos⁴ times the remaining light over the slopes of a grid whose rays get through.
     fn energy(&self, radius: f64, FoundPair { passed, step, .. }: &FoundPair) -> f64 {
         let every = passed.len().div_ceil(LIT);
         let left = |slopes: &[f64; 2]| {

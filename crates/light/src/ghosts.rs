@@ -1,13 +1,14 @@
-//! Ghosts: light that reaches the film after reflection at two surfaces. For each pair of surfaces the path, and for a
-//! lamp the power along it, W, and its distribution on the film.
+//! Ghosts: light that reaches the film after reflection at two surfaces. This module finds the path of each pair of
+//! surfaces and, for a lamp, the power, W, along that path and the distribution of this power on the film.
 //!
-//! The path of a ghost is the ordinary sequence of surfaces in which n' = -n at two of them ([`Path::reflected`]): up
-//! to the one farther from the light, back to the nearer, and on. k reflecting surfaces have k (k - 1)/2 pairs. Light
-//! reflected four times or more is left out; `docs/light.md` states its amount.
+//! The path of a ghost is an ordinary sequence of surfaces, except that n' = -n at the two mirrors
+//! ([`Path::reflected`]). It leads to the mirror farther from the light, back to the nearer mirror, and on to the film.
+//! k reflecting surfaces have k (k - 1)/2 pairs. Light reflected four times or more is left out; `docs/light.md` states
+//! the amount of this light.
 //!
-//! A lamp sends rays through a grid of cells before the front surface, each with the power of its cell. The part of the
-//! grid from which a pair's rays reach the film is searched for first, among the rays that reach the farther mirror,
-//! and the cells are then laid over that part: a ghost needs a thousandth of a fisheye's wide front surface. The result
+//! A lamp sends rays through a grid of cells in front of the front surface; each ray has the power of its cell. A
+//! search finds the part of the grid whose rays reach the film, among the rays that reach the farther mirror. The cells
+//! are then laid over that part alone: of the wide front surface of a fisheye, a ghost needs a thousandth. The result
 //! is a [`Spray`].
 
 use super::{
@@ -23,12 +24,12 @@ use realistic_optics::{
 };
 use realistic_trace::kernel::ClearanceTracer;
 
-/// Maximum number of surfaces that all paths of a [`Ghosts`] intersect in total. All pairs of a lens with 45 reflecting
-/// surfaces fit.
+/// Maximum number of surfaces that all paths of a [`Ghosts`] intersect in total. This suffices for all pairs of a lens
+/// with 45 reflecting surfaces.
 const MET: usize = 100_000;
 
-/// Paths through a lens from the scene to the film with no reflection or two: all pairs, or the brightest by
-/// first-order optics if there are too many.
+/// The paths through a lens from the scene to the film that have no reflection or two reflections. If there are too
+/// many pairs, only the brightest pairs, by first-order optics, are kept.
 #[derive(Clone, Debug)]
 pub struct Ghosts {
     lens: Lens,
@@ -37,22 +38,23 @@ pub struct Ghosts {
     direct: LitPath,
     pairs: Vec<Pair>,
     left_out: LeftOut,
-    /// Sphere that holds the front surface, see [`front_sphere`].
+    /// Sphere that contains the front surface; see [`front_sphere`].
     front: [f64; 2],
     film: f64,
 }
 
-/// The pairs that are left out of a lens with too many.
+/// The pairs that are left out if a lens has too many of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LeftOut {
     /// Number of pairs left out.
     pub pairs: usize,
-    /// Their share of the light of all pairs, by first-order optics, from a uniform sky to the middle of the film.
+    /// Share of these pairs in the light that a uniform sky sends along all pairs to the middle of the film, by
+    /// first-order optics.
     pub share: f64,
 }
 
 impl Ghosts {
-    /// Finds the ghosts of a lens with film at z = `film`, mm.
+    /// Finds the ghosts of a lens with the film at z = `film`, mm.
     pub fn new(lens: &Lens, blades: Option<Blades>, surfaces: &Surfaces, film: f64) -> Self {
         let direct = LitPath::new(path(lens, blades, None), surfaces);
         let all = Pairs::of(surfaces).brightest(lens, surfaces, film);
@@ -72,12 +74,12 @@ impl Ghosts {
         Self { lens, blades, surfaces, direct, pairs, left_out, front, film }
     }
 
-    /// Iterates over the pairs; each path is built when it is reached.
+    /// Iterates over the pairs and their paths; each path is built when the iteration reaches it.
     pub fn pairs(&self) -> impl Iterator<Item = (Pair, LitPath)> {
         self.pairs.iter().map(|pair| (*pair, self.lit(*pair)))
     }
 
-    /// Returns the surfaces of each pair.
+    /// Returns the pairs, each as the indices of its surfaces.
     pub fn chosen(&self) -> &[Pair] {
         &self.pairs
     }
@@ -97,8 +99,8 @@ impl Ghosts {
         &self.direct
     }
 
-    /// Traces the light of a lamp along a path, by a grid of `side` x `side` cells over the part that gets through. The
-    /// spray is empty if no such part is found, and for lamps that [`Lamp::check`] rejects.
+    /// Traces the light of a lamp along a path, by a grid of `side` x `side` cells over the part of the light that gets
+    /// through. The spray is empty if no such part is found, and for lamps that [`Lamp::check`] rejects.
     pub fn spray(&self, path: &LitPath, lamp: Lamp, side: usize) -> Spray {
         let tracers = [ClearanceTracer::new(path.path(), self.film)];
         let approaches: Vec<_> = approach(path.path()).into_iter().collect();
@@ -111,7 +113,7 @@ impl Ghosts {
     }
 }
 
-/// Returns the path of a pair through a lens, or the one without a reflection.
+/// Returns the path of a pair through a lens or, if `pair` is `None`, the path without a reflection.
 fn path(lens: &Lens, blades: Option<Blades>, pair: Option<Pair>) -> Path {
     let path = match pair {
         Some(pair) => Path::reflected(lens, Direction::SceneToFilm, Refraction::Fused, pair),
@@ -120,37 +122,39 @@ fn path(lens: &Lens, blades: Option<Blades>, pair: Option<Pair>) -> Path {
     path.with_blades(lens, blades)
 }
 
-/// Returns the tracer of a path up to its first mirror, if it has one. The film is infinitely far away, so no ray can
-/// miss it.
+/// Returns the tracer of a path up to the first mirror; `None` if the path has no mirror. The film is infinitely far
+/// away, so no ray can miss it.
 fn approach(path: &Path) -> Option<ClearanceTracer> {
     path.up_to_mirror().map(|path| ClearanceTracer::new(&path, f64::NEG_INFINITY))
 }
 
-/// The ghosts of a lens at many wavelengths. Whole grids are traced at some wavelengths, their edges at all
-/// (`spray.rs`).
+/// The ghosts of a lens at many wavelengths. Whole grids are traced at some wavelengths, and the edges of the grids at
+/// all wavelengths (`spray.rs`).
 #[derive(Clone, Debug)]
 pub struct GhostSpectrum {
-    /// Lenses, by wavelength.
+    /// The lens at each wavelength.
     lenses: Vec<Lens>,
     blades: Option<Blades>,
     /// Indices of the wavelengths at which whole grids are traced.
     nodes: Vec<usize>,
-    /// Ghosts at the nodes of light.
+    /// The ghosts at the wavelengths at which light is traced.
     light: Vec<Ghosts>,
-    /// Interpolation weights, by wavelength.
+    /// Interpolation weights for each wavelength.
     mixtures: Vec<Mixture>,
 }
 
-/// Number of wavelengths at which whole grids are traced: rays of the others then land within a hundredth of a pixel.
+/// Number of wavelengths at which whole grids are traced. At the other wavelengths, the interpolated points at which
+/// rays land are then within a hundredth of a pixel of the exact points.
 const LANDING_NODES: usize = 3;
-/// Candidate numbers of nodes for light; the first that suffices is used. A quarter-wave coating takes the second.
+/// Candidate numbers of wavelengths at which light is traced; the first number that suffices is used. A quarter-wave
+/// coating needs the second.
 const LIGHT_NODES: [usize; 4] = [5, 7, 9, 13];
 /// Tolerated error of the interpolated product of two reflectances, relative to its maximum.
 const TOLERANCE: f64 = 1e-3;
 
 impl GhostSpectrum {
-    /// Builds the ghosts at these wavelengths, nm. `lens_at` returns the lens at a wavelength, `coatings` are those of
-    /// its surfaces from the scene on, and the film is at z = `film`, mm.
+    /// Builds the ghosts at these wavelengths, nm. `lens_at` returns the lens at a wavelength, `coatings` lists the
+    /// coatings of its surfaces from the scene on, and the film is at z = `film`, mm.
     pub fn new(
         wavelengths: &[f64],
         lens_at: impl Fn(f64) -> Lens,
@@ -177,8 +181,8 @@ impl GhostSpectrum {
         self.light.iter().take(1).flat_map(|ghosts| ghosts.chosen().iter().copied())
     }
 
-    /// Traces the light of a lamp along the path of a pair, or the direct path, as [`Ghosts::spray`] does. `found` gets
-    /// the index of each wavelength and its spray.
+    /// Traces the light of a lamp along the path of a pair, or the direct path, as [`Ghosts::spray`] does. `found` is
+    /// called with the index of each wavelength and the spray at that wavelength.
     pub fn sprays(&self, pair: Option<Pair>, lamp: Lamp, side: usize, found: impl FnMut(usize, &Spray)) {
         let Some(ghosts) = self.light.first() else { return };
         let lit_path = |ghosts: &Ghosts| pair.map_or_else(|| ghosts.direct.clone(), |pair| ghosts.lit(pair));
@@ -192,13 +196,13 @@ impl GhostSpectrum {
     }
 }
 
-/// Variable in which indices and phases are smooth.
+/// Returns the interpolation variable of a wavelength, nm: refractive indices and phases are smooth functions of it.
 fn variable(nm: f64) -> f64 {
     (1000.0 / nm).powi(2)
 }
 
-/// Returns `count` interpolation nodes, nm, over the range of `wavelengths`: Chebyshev's extrema, ends included.
-/// Returns `wavelengths` itself if it has no more than `count`.
+/// Returns `count` interpolation nodes, nm, over the range of `wavelengths`: Chebyshev's extrema, including both ends.
+/// Returns `wavelengths` itself if it has no more than `count` elements.
 fn nodes(wavelengths: &[f64], count: usize) -> Vec<f64> {
     if wavelengths.len() <= count {
         return wavelengths.to_vec();
@@ -223,7 +227,7 @@ fn nearest(wavelengths: &[f64], targets: &[f64]) -> Vec<usize> {
     nearest
 }
 
-/// Returns the weight of each node at a wavelength: Lagrange's polynomials.
+/// Returns the weight of each node in the interpolation at a wavelength, by Lagrange's polynomials.
 fn lagrange(nodes: &[f64], nm: f64) -> Vec<f64> {
     let at = variable(nm);
     let share = |k: usize| {
@@ -233,8 +237,8 @@ fn lagrange(nodes: &[f64], nm: f64) -> Vec<f64> {
     (0..nodes.len()).map(share).collect()
 }
 
-/// Returns the fewest wavelengths from which the light at the others can be interpolated: the square of each surface's
-/// reflectance and the transmission of its glass must come out right.
+/// Returns the fewest wavelengths from which the light at the others can be interpolated: the errors of the squared
+/// reflectance of each surface and of the transmission of the glass behind it must be within [`TOLERANCE`].
 fn light_nodes(wavelengths: &[f64], lens_at: &impl Fn(f64) -> Lens, coatings: &[SurfaceCoating]) -> Vec<f64> {
     let at = |nm: f64| -> Vec<f64> {
         let lens = lens_at(nm);
@@ -263,9 +267,10 @@ fn light_nodes(wavelengths: &[f64], lens_at: &impl Fn(f64) -> Lens, coatings: &[
     counts.map(|count| nodes(wavelengths, count)).find(suffices).unwrap_or_else(|| wavelengths.to_vec())
 }
 
-/// Returns the light reflected four times or more, over the light without a reflection, in a stack of plates with the
-/// reflectances of a lens's surfaces at normal incidence: the total by the adding formula, T = T1 T2/(1 - R1' R2), less
-/// the direct light and the pairs. It is an estimate for a lens: in the stack no light spreads and misses the film.
+/// Returns the ratio of the light that is reflected four times or more to the light that is not reflected, in a stack
+/// of plates with the reflectances of a lens's surfaces at normal incidence. It is computed as the total light, by the
+/// adding formula T = T1 T2/(1 - R1' R2), minus the direct light and the light of the pairs. For a lens the ratio is an
+/// estimate: in the stack, no light spreads and misses the film.
 pub fn beyond_pairs(surfaces: &Surfaces, lens: &Lens) -> f64 {
     let reflectances: Vec<f64> = surfaces
         .reflecting()
@@ -279,8 +284,8 @@ pub fn beyond_pairs(surfaces: &Surfaces, lens: &Lens) -> f64 {
     for r in &reflectances {
         let [t, back] = whole;
         let below = 1.0 - back * r;
-        // Seen from the film: the surface's own reflection, plus light that passes it, is reflected by those before,
-        // and returns.
+        // The reflectance seen from the film: the reflectance of the surface itself, plus the light that passes it, is
+        // reflected by the surfaces before it, and returns.
         whole = [t * (1.0 - r) / below, r + (1.0 - r).powi(2) * back / below];
     }
     let direct: f64 = reflectances.iter().map(|r| 1.0 - r).product();
@@ -295,10 +300,10 @@ pub fn beyond_pairs(surfaces: &Surfaces, lens: &Lens) -> f64 {
     whole[0] / direct - 1.0 - pairs
 }
 
-/// Returns z, lens space, mm, at which paraxial rays from infinity cross the axis behind the last surface of a path
-/// from the scene; `None` if they stay parallel or are blocked.
+/// Returns the z coordinate, lens space, mm, at which paraxial rays from infinity cross the axis behind the last
+/// surface of a path from the scene; `None` if these rays stay parallel to the axis or are blocked.
 pub fn paraxial_focus(path: &Path, front: f64) -> Option<f64> {
-    // Small enough for first-order optics, with half the digits left.
+    // The height is small enough for first-order optics, and leaves half of the digits.
     let height = 1e-6 * front;
     let ray = Ray { origin: [height, 0.0, front], direction: [0.0, 0.0, -1.0] };
     let after = path.trace(ray).ok()?;

@@ -1,4 +1,4 @@
-//! Lamps before a lens, and the test of whether they can light it.
+//! Lamps in front of a lens, and the test of whether a lamp can light the lens.
 
 use thiserror::Error;
 
@@ -8,9 +8,9 @@ use realistic_optics::lens::Lens;
 /// A lamp, in lens space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Lamp {
-    /// Infinitely far away: the direction from the lens toward it, of any length.
+    /// A lamp infinitely far away, given by the direction from the lens toward it, a vector of any length.
     Distant([f64; 3]),
-    /// A point, mm.
+    /// A point lamp, given by its position, mm.
     Point([f64; 3]),
 }
 
@@ -29,7 +29,7 @@ pub enum LampError {
         /// The largest angle from the axis at which the surface faces a lamp infinitely far away, degrees.
         limit: f64,
     },
-    /// The lamp lies within the sphere that holds the front surface.
+    /// The lamp lies within the sphere that contains the front surface.
     #[error(
         "the lamp is {} mm from the middle of the front surface of lens \"{lens}\", which holds all within {} mm of it; \
          put the lamp farther away",
@@ -40,7 +40,7 @@ pub enum LampError {
         lens: String,
         /// Distance of the lamp from the middle of the front surface, mm.
         distance: f64,
-        /// The radius of the sphere that holds the front surface, mm.
+        /// Radius, mm, of the sphere that contains the front surface.
         least: f64,
     },
 }
@@ -50,16 +50,18 @@ const CHORDS: u32 = 64;
 
 impl Lamp {
     /// Checks that some light of the lamp meets the front surface from the scene side. The lens may still block all of
-    /// it.
+    /// this light.
     ///
-    /// A convex front surface faces lamps beyond 90 degrees from the axis, too; fisheyes for more than 180 degrees
-    /// refract their light to the film.
+    /// A convex front surface also faces lamps at more than 90 degrees from the axis. A fisheye with a field of view of
+    /// more than 180 degrees refracts the light of such lamps to the film.
     ///
     /// # Errors
-    /// No part of the front surface faces the lamp, or the lamp is within the sphere that holds that surface.
+    /// Returns an error if no part of the front surface faces the lamp, or if the lamp is within the sphere that
+    /// contains that surface.
     pub fn check(self, lens: &Lens) -> Result<(), LampError> {
         let front = lens.front();
-        // Only in the lamp's half plane can a surface face it from beyond 90 degrees.
+        // The test is made in the half plane, bounded by the axis, in which the lamp lies: if the lamp is beyond 90
+        // degrees, the surface can face it only there.
         let at = |i: u32| {
             let height = front.semi_diameter * f64::from(i) / f64::from(CHORDS);
             [height, front.sagitta(height)]
@@ -89,7 +91,7 @@ impl Lamp {
     }
 }
 
-/// Returns a sphere that holds the front surface's clear part: z of its centre, and its radius, mm.
+/// Returns a sphere that contains the clear part of the front surface: z of the sphere's centre, and the radius, mm.
 pub(super) fn front_sphere(lens: &Lens) -> [f64; 2] {
     let [low, high] = lens.front().sagitta_range();
     [f64::midpoint(low, high), lens.front().semi_diameter.hypot((high - low) / 2.0)]

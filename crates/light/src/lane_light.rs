@@ -1,5 +1,5 @@
-//! Polarised light along rays, in lanes of single precision: the Stokes vector of [`Light`](super::Light), by the same
-//! equations.
+//! Polarised light along rays, in lanes of single precision. Each lane has a Stokes vector, as [`Light`](super::Light)
+//! does, computed by the same equations.
 
 use super::lane_surface::ShareLanes;
 use realistic_simd::{Cpu, Lanes};
@@ -10,29 +10,30 @@ use realistic_trace::kernel::Crossing;
 pub struct LaneLight<L> {
     /// I, Q, U and V.
     stokes: [L; 4],
-    /// Vector across the last plane of incidence, of any length; 0 before the first.
+    /// Vector perpendicular to the last plane of incidence, of any length; 0 before the first plane.
     across: [L; 3],
     /// Exponent of absorption, Σ α l.
     exponent: L,
 }
 
-/// Share of the vector across the previous plane of incidence that is added to that of the next plane. The old vector
-/// replaces the new one near normal incidence, where rounding would give the new one any direction and s and p are
-/// equal. Elsewhere the planes turn by less than this over the sine of incidence, which changes the transmission by
-/// less than 1e-6.
+/// Share of the vector perpendicular to the previous plane of incidence that is added to the vector perpendicular to
+/// the next plane. Near normal incidence the sum is nearly the old vector: rounding would give the new vector an
+/// arbitrary direction, and s and p are equal. At other angles the sum turns the plane by less than this share divided
+/// by the sine of incidence, which changes the transmission by less than 1e-6.
 const REMEMBERED: f32 = 1e-4;
-/// Fourth power of the sine of incidence, about, up to which there is no plane of incidence.
+/// Approximate fourth power of the sine of incidence up to which there is no plane of incidence.
 const AXIAL: f32 = 1e-30;
 /// Largest exponent of absorption: the remaining light is below the rounding error of any other light in single
 /// precision.
 const DARK: f32 = 64.0;
-/// Number of times that an exponent is halved, to at most 1/2, before the series; the result is squared as often.
+/// Number of times that an exponent is halved, to at most 1/2, before the series is summed; the result is squared as
+/// often.
 const HALVINGS: u32 = 7;
-/// Last power of the series: it leaves an error of 1e-7 at 1/2.
+/// Highest power of the series, which leaves an error of 1e-7 at 1/2.
 const LAST_POWER: u32 = 7;
 
 impl<L: Lanes<Scalar = f32>> LaneLight<L> {
-    /// Unpolarised light of power 1.
+    /// Returns unpolarised light of power 1.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn unpolarised(cpu: Cpu<L>) -> Self {
         let (zero, one) = (L::splat(cpu, 0.0), L::splat(cpu, 1.0));
@@ -45,13 +46,13 @@ impl<L: Lanes<Scalar = f32>> LaneLight<L> {
         self.exponent = distance.mul_add(coefficient, self.exponent);
     }
 
-    /// Applies a surface; its normal is a unit vector. `index` is n before it.
+    /// Applies the effect of a surface. The normal in `crossing` is a unit vector; `index` is n before the surface.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn cross(&mut self, cpu: Cpu<L>, crossing: &Crossing<L>, index: L, [m, d, re, im]: ShareLanes<L>) {
         let Crossing { normal: [nx, ny, nz], facing: [before, behind], v: [vx, vy, vz], .. } = *crossing;
-        // N × V is the same before and behind the surface. A selection of the old vector where the new one vanishes
-        // would be slower: the compiler makes masked stores of it, which the processor does not forward to the loads at
-        // the next surface.
+        // N × V is the same before and behind the surface. To select the old vector where the new one vanishes would be
+        // slower: the compiler would turn the selection into masked stores, which the processor does not forward to the
+        // loads at the next surface.
         let (old, remembered) = (self.across, L::splat(cpu, REMEMBERED));
         let new = [
             remembered.mul_add(old[0], nz.neg_mul_add(vy, ny * vz)),
@@ -59,13 +60,13 @@ impl<L: Lanes<Scalar = f32>> LaneLight<L> {
             remembered.mul_add(old[2], ny.neg_mul_add(vx, nx * vy)),
         ];
         self.across = new;
-        // The angle from the old plane to the new one, about V before the surface: old × new = sine V/|V|, times
-        // lengths. Both numbers are scaled by V's z.
+        // Cosine and sine of the angle from the old plane to the new one, about V before the surface: old × new = sine
+        // V/|V|, times the lengths of both vectors. Cosine and sine are scaled by the z component of V.
         let z = (behind - before).neg_mul_add(nz, vz);
         let cosine = dot(old, new) * z;
         let sine = index * old[1].neg_mul_add(new[0], old[0] * new[1]);
         let square = sine.mul_add(sine, cosine * cosine);
-        // 0 before the first plane and on the axis, where Q and U are 0.
+        // The inverse is 0 before the first plane and on the axis, where Q and U are 0.
         let inverse = (L::splat(cpu, 1.0) / square).or_zero(L::splat(cpu, AXIAL).less(square));
         let cosine_2 = sine.neg_mul_add(sine, cosine * cosine) * inverse;
         let sine_2 = ((sine + sine) * cosine) * inverse;

@@ -1,5 +1,6 @@
-//! Transmission of a surface in lanes, from n cos I on both sides of it: by Fresnel's equations if it is bare, by the
-//! transfer matrix ([`super::stack`]) if it is coated or, at one wavelength, by polynomials.
+//! Transmission of a surface in lanes, computed from n cos I on both sides of the surface. A bare surface uses
+//! Fresnel's equations. A coated surface uses the transfer matrix ([`super::stack`]) or, at one wavelength,
+//! polynomials.
 //!
 //! A bare surface with S = (n cos I + n' cos I')² and A = (n² + n'²) S - (n'² - n²)² has
 //!
@@ -17,7 +18,7 @@ use realistic_simd::{Compiled, Cpu, Lanes, cos_sin};
 /// and p, and the real and imaginary part of the product of their amplitudes.
 pub(super) type ShareLanes<L> = [L; 4];
 
-/// A surface between two media, for lanes of a precision.
+/// A surface between two media, for lanes of single precision.
 #[derive(Clone, Debug)]
 pub(super) enum LaneSurface {
     /// A coated surface at one wavelength.
@@ -26,9 +27,9 @@ pub(super) enum LaneSurface {
     Stack(LaneStack),
 }
 
-/// A coated surface's [`ShareLanes`] over n cos I in the rarer medium, as polynomials in n' cos I' - n cos I, denser
-/// minus rarer, scaled to [-1, 1]: a lower degree suffices in this variable than in the cosine. Without the factor the
-/// shares of grazing rays would have large relative errors.
+/// The [`ShareLanes`] of a coated surface, divided by n cos I in the rarer medium, as polynomials. The variable is n'
+/// cos I' - n cos I, denser minus rarer, scaled to [-1, 1]; a lower degree suffices in this variable than in the
+/// cosine. Without the division, the shares of grazing rays would have large relative errors.
 #[derive(Clone, Debug)]
 pub(super) struct FittedShare {
     /// Whether the rarer medium is before the surface.
@@ -42,13 +43,13 @@ pub(super) struct FittedShare {
 /// The layers of a surface between two media.
 #[derive(Clone, Debug)]
 pub(super) struct LaneStack {
-    /// n² of each layer, 1/n², and 2π times its thickness, nm, from the air on.
+    /// n², 1/n², and 2π times the thickness, nm, of each layer, listed from the air on.
     layers: Box<[[f32; 3]]>,
     /// Whether the air is before the surface.
     is_air_before: bool,
 }
 
-/// Degrees of the polynomials. One to three layers need 6 to 8.
+/// Lowest and highest degree of the polynomials. One to three layers need degrees from 6 to 8.
 const LEAST_DEGREE: usize = 3;
 const MOST_DEGREE: usize = 14;
 /// Number of cosines at which the polynomials' error is measured.
@@ -57,8 +58,8 @@ const CHECKED: usize = 64;
 const GRAZING: f64 = 1e-9;
 
 impl LaneSurface {
-    /// Returns polynomials for a boundary whose relative error is at most `goal`, for rays that come from the medium
-    /// with this index; `None` if the stack is too thick for them.
+    /// Fits polynomials to a boundary, with a relative error of at most `goal`, for rays that come from the medium with
+    /// the index `index_before`; `None` if the stack is too thick for polynomials.
     pub fn fitted(boundary: &Boundary, index_before: f64, goal: f64) -> Option<Self> {
         let [rarer, denser] = boundary.ordered();
         let step = denser * denser - rarer * rarer;
@@ -82,7 +83,7 @@ impl LaneSurface {
             checked.iter().map(off).fold(0.0, f64::max)
         };
         let fit = |degree| Some(interpolate(degree, at)).filter(|fit| error(fit) <= goal);
-        // The highest degree first: a stack that it does not fit needs no other attempt.
+        // The highest degree is tried first: if it does not fit the stack, no other degree needs to be tried.
         let highest = fit(MOST_DEGREE)?;
         let least_fit = (LEAST_DEGREE..MOST_DEGREE).find_map(fit).unwrap_or(highest);
         let is_rarer_before = index_before == rarer;
@@ -102,8 +103,8 @@ impl LaneSurface {
         Self::Stack(LaneStack { layers: from_air.iter().map(layer).collect(), is_air_before })
     }
 
-    /// Returns the effect on rays with these n cos I before and behind the surface. `indices` are n there, and
-    /// `wavelength` is in nm.
+    /// Returns the effect of the surface on rays. `facing` is n cos I before and behind the surface, `indices` is n on
+    /// the same sides, and `wavelength` is in nm.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn share<L: Lanes<Scalar = f32>>(
         &self,
@@ -168,7 +169,7 @@ fn bare<L: Lanes<Scalar = f32>>(
     [half * (s + p), half * (s - p), both, L::splat(cpu, 0.0)]
 }
 
-/// The fields of s or of p on the near side of a stack, B and C, complex.
+/// The complex fields B and C, of s or of p, on the near side of a stack.
 #[derive(Clone, Copy)]
 struct Fields<L> {
     b: [L; 2],
@@ -176,7 +177,8 @@ struct Fields<L> {
 }
 
 impl<L: Lanes> Fields<L> {
-    /// Puts a layer before the stack: `admittance` and its reciprocal, and cosine and sine of its phase.
+    /// Puts a layer in front of the stack. The layer is given by its admittance and the reciprocal of its admittance,
+    /// and by the cosine and the sine of its phase.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn behind(self, [admittance, inverse]: [L; 2], [cos, sin]: [L; 2]) -> Self {
         let Self { b: [br, bi], c: [cr, ci] } = self;
@@ -194,8 +196,8 @@ impl<L: Lanes> Fields<L> {
     }
 }
 
-/// The effect of a stack, as work to be compiled apart: inlined at every step of the kernel it would be most of the
-/// code.
+/// The effect of a stack, as work for a function of its own: inlined at every step of the kernel, it would make up most
+/// of the code.
 struct StackShare<'a, L> {
     cpu: Cpu<L>,
     stack: &'a LaneStack,
@@ -213,8 +215,8 @@ impl<L: Lanes<Scalar = f32>> Compiled for StackShare<'_, L> {
 }
 
 impl LaneStack {
-    /// Computes the transfer matrix of all layers. The fields of p are multiplied by n cos I of the last medium, and
-    /// their sum by that of the first, instead of divisions in its admittances.
+    /// Computes the transfer matrix of all layers. To avoid divisions in the admittances of p, the fields of p are
+    /// multiplied by n cos I of the last medium, and their sum is multiplied by n cos I of the first medium.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn share<L: Lanes<Scalar = f32>>(
         &self,
@@ -256,8 +258,8 @@ impl LaneStack {
     }
 }
 
-/// Returns the polynomials of a degree through the values at Chebyshev's nodes: their coefficients from the lowest
-/// power on.
+/// Returns the coefficients, from the lowest power on, of the polynomials of a degree that pass through the values at
+/// Chebyshev's nodes.
 fn interpolate(degree: usize, at: impl Fn(f64) -> [f64; 4]) -> Vec<[f64; 4]> {
     let count = degree + 1;
     let angle = |k: usize| PI * (k as f64 + 0.5) / count as f64;

@@ -1,22 +1,23 @@
 //! Light at the surfaces of a lens: transmission by Fresnel's equations and thin films, absorption, and ghosts.
 //!
-//! [`split`] is the physics: it takes a stack of films and an angle, and returns the reflected and the transmitted
-//! share. The types below apply it to light along single rays and along rays in lanes. `docs/light.md` has the theory.
+//! [`split`] contains the physics: from a stack of films and an angle, it computes the reflected and the transmitted
+//! share of the light. The types below apply [`split`] to light along single rays and along rays in lanes.
+//! `docs/light.md` has the theory.
 //!
 //! | type | is |
 //! |---|---|
 //! | [`Split`], [`Share`] | the effect of a surface on light at one angle |
-//! | [`Boundary`] | the same for every angle, from a table |
+//! | [`Boundary`] | the effect of a surface on light at every angle, from a table |
 //! | [`Surfaces`] | the boundaries and the absorption of a lens |
 //! | [`Light`] | the power and the polarisation of light along a ray |
-//! | [`LitPath`] | a path whose rays carry light, with mirrors if it is a ghost's |
+//! | [`LitPath`] | a path whose rays carry light; the path of a ghost has two mirrors |
 //! | [`Transmission`] | the light that rays in lanes carry through the kernel's steps |
 //! | [`TStop`] | the f-number over the square root of the transmission |
-//! | [`Ghosts`], [`GhostSpectrum`] | the paths with two reflections, at one or many wavelengths |
-//! | [`Lamp`], [`Spray`] | a lamp, and its light along one path on the film |
-//! | [`FilmGhosts`] | the same paths, sampled from the film |
+//! | [`Ghosts`], [`GhostSpectrum`] | the paths with two reflections, at one wavelength or at many |
+//! | [`Lamp`], [`Spray`] | a lamp, and the light on the film that comes from the lamp along one path |
+//! | [`FilmGhosts`] | the paths with two reflections, sampled from the film |
 //!
-//! It depends on `base`, `simd`, `optics` and `trace`; `camera` depends on it.
+//! This crate depends on `base`, `simd`, `optics` and `trace`; `camera` depends on this crate.
 //!
 //! ```
 //! use realistic_light::{LitPath, Surfaces, split};
@@ -34,7 +35,7 @@
 //! # Ok::<(), Blocked>(())
 //! ```
 //!
-//! Only the face of the crate `realistic` is promised; this one may change in any version.
+//! Only the public interface of the crate `realistic` is stable; the interface of this crate may change in any version.
 
 #![forbid(unsafe_code)]
 

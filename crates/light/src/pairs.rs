@@ -1,5 +1,5 @@
 //! Pairs of reflecting surfaces, and first-order estimates of their light on the film. k surfaces have k (k - 1)/2
-//! pairs; if not all of them can be traced, the estimate chooses.
+//! pairs; if not all pairs can be traced, the estimates decide which are.
 
 use super::coated::{Pair, Surfaces};
 use realistic_optics::{
@@ -28,7 +28,7 @@ impl Estimate {
     }
 }
 
-/// Cosines of incidence at which reflectances are averaged: a coating may reflect nothing at one.
+/// Cosines of incidence over which reflectances are averaged, because a coating may reflect nothing at a single angle.
 const COSINES: [f64; 2] = [1.0, 0.85];
 
 impl Pairs {
@@ -42,8 +42,8 @@ impl Pairs {
         self.reflecting.len() * self.reflecting.len().saturating_sub(1) / 2
     }
 
-    /// Returns the pair at an index below the count: that of the first two surfaces, then those of the third with each
-    /// before it, and so on.
+    /// Returns the pair at an index below the count. The first pair consists of the first two surfaces; the next pairs
+    /// consist of the third surface and each surface before it, and so on.
     pub fn nth(&self, number: usize) -> Pair {
         let before = |far: usize| far * (far - 1) / 2;
         let mut far = (f64::midpoint(1.0, (1.0 + 8.0 * number as f64).sqrt()) as usize).max(1);
@@ -61,7 +61,7 @@ impl Pairs {
     ///
     /// The estimate is the product of the two reflectances and the square of the slope, at the film, of the widest
     /// paraxial ray. After the second mirror only the apertures of the stop and of the front surface are tested, so
-    /// that a pair takes no more time in a longer lens.
+    /// that a pair takes no more time in a lens with more surfaces.
     pub fn brightest(&self, lens: &Lens, surfaces: &Surfaces, film: f64) -> Vec<Estimate> {
         let path = Path::new(lens, Direction::FilmToScene, Refraction::Fused);
         let steps = path.steps();
@@ -75,8 +75,8 @@ impl Pairs {
         let reflectances: Vec<f64> = (0..=last).map(reflectance).collect();
         let power = |along: usize| (steps[along].n_after - steps[along].n) * steps[along].curvature;
         let semi = |along: usize| steps[along].aperture.sqrt();
-        // Height at an aperture = a y + b ν, with the height y and ν, n times the slope, just behind each surface
-        // before it.
+        // The height of a ray at an aperture is a y + b ν, where y is its height and ν is n times its slope, just
+        // behind an earlier surface. Each row is [a, b] for one of the surfaces before the aperture.
         let rows_to = |aperture: usize| {
             let (mut rows, mut row) = (vec![[0.0_f64; 2]; aperture], [1.0_f64, 0.0]);
             for along in (0..aperture).rev() {
@@ -165,7 +165,7 @@ mod tests {
 
     #[test]
     fn an_estimate_is_the_slope_of_the_widest_ray_near_the_axis() {
-        // Apertures of a thousandth keep rays where first-order optics holds.
+        // Apertures that are reduced to a thousandth keep rays where first-order optics holds.
         let mut lens = Lens::at_d_line(&catalogue::find("dgauss.50mm").expect("listed"));
         lens.surfaces.iter_mut().for_each(|surface| surface.semi_diameter *= 1e-3);
         let surfaces = Surfaces::new(&lens, Coating::Bare);
@@ -187,7 +187,7 @@ mod tests {
                 .iter()
                 .product();
             let slope = (f64::from(estimate.light) / power).sqrt();
-            // No wider ray gets through; and for most pairs the apertures not tested block no narrower one.
+            // No wider ray gets through. For most pairs, the apertures that are not tested block no narrower ray.
             assert!(!passes(1.001 * slope), "{near} {far}: {slope}");
             equal += usize::from(passes(0.999 * slope));
         }

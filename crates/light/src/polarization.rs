@@ -2,14 +2,16 @@
 //! Hecht, *Optics*, chapter 8; the frames are those of R. Chipman, "Polarization analysis of optical systems", *Optical
 //! Engineering* 28, 1989).
 //!
-//! Let s be across the plane of incidence, p = k × s, and c = `a_s a_p*`. A surface transforms (I, Q, U, V) to
+//! Let s be perpendicular to the plane of incidence, p = k × s, and c = `a_s a_p*`. A surface transforms (I, Q, U, V)
+//! to
 //!
 //! I' = m I + d Q, Q' = d I + m Q, U' + i V' = c (U + i V), where m and d are half the sum and half the difference of
 //! the shares of s and p. Between two surfaces Q + i U turns by twice the angle from one plane of incidence to the
 //! next.
 //!
-//! The result for rays in a plane with the axis is half the sum of the products of all s and of all p; it is not the
-//! product of the surfaces' means.
+//! For rays in a plane with the axis, the remaining share is half the sum of two products over all surfaces: the
+//! product of the shares of s and the product of the shares of p. This differs from the product of the surfaces' mean
+//! shares.
 
 use super::stack::Share;
 use realistic_base::numeric::dot;
@@ -22,19 +24,20 @@ pub struct Light {
     q: f64,
     u: f64,
     v: f64,
-    /// Vector across the last plane of incidence, of any length; 0 before the first.
+    /// Vector perpendicular to the last plane of incidence, of any length; 0 before the first plane.
     across: [f64; 3],
 }
 
-/// Squared sine of incidence below which the plane of incidence is undefined: s and p are equal there far beyond double
-/// precision.
+/// Squared sine of incidence below which the plane of incidence counts as undefined; s and p then differ by far less
+/// than the rounding error of double precision.
 const NORMAL: f64 = 1e-24;
 
 impl Light {
     /// Unpolarised light of power 1.
     pub(crate) const UNPOLARISED: Self = Self { power: 1.0, q: 0.0, u: 0.0, v: 0.0, across: [0.0; 3] };
 
-    /// Applies a surface with this unit `normal` to the light of a ray along `v`, of any length.
+    /// Applies the effect of a surface to the light of a ray. `normal` is a unit vector; `v` is the direction of the
+    /// ray, a vector of any length.
     #[inline]
     pub fn meet(&mut self, v: [f64; 3], normal: [f64; 3], share: Share) {
         let squared = dot(v, v);
@@ -56,18 +59,18 @@ impl Light {
         }
     }
 
-    /// Reverses the z axis, as a path does behind a mirror. p changes its sign twice: as k × s in the reversed frame,
-    /// and because the reflected p is defined by its component along the surface.
+    /// Reverses the z axis, as a path does behind a mirror. The sign of p changes twice: because p is k × s in the
+    /// reversed frame, and because the reflected p is defined by its component along the surface.
     #[inline]
     pub(crate) fn turn_round(&mut self) {
         self.across[2] = -self.across[2];
     }
 
-    /// Refers Q and U to another plane of incidence.
+    /// Transforms Q and U to another plane of incidence, which is perpendicular to `across`.
     #[inline]
     fn turn(&mut self, across: [f64; 3], v: [f64; 3], squared: f64) {
         let old = std::mem::replace(&mut self.across, across);
-        // The cosine and the sine of the angle, both times the lengths of the two vectors.
+        // The cosine and the sine of the angle between the planes, both times the lengths of the two vectors.
         let cosine = dot(old, across);
         let sine = dot(cross(old, across), v) / squared.sqrt();
         let (cosine_2, sine_2, lengths) =

@@ -1,31 +1,34 @@
-//! Remaining light of many rays along one path: takes rays, each by its point in a beam, and returns shares of their
-//! power.
+//! Remaining light of many rays along a path. A ray is given by its point in a beam; the result is the remaining share
+//! of its power.
 //!
 //! A share is a smooth function of a ray's point in a beam. The light of some rays, spread over the beam, is traced
-//! from surface to surface ([`LitPath::trace`]), and a polynomial in the two coordinates of the point, fitted to them,
-//! serves the others. Further traced rays measure its error. If the error is too large, the beam is split into halves,
-//! each with its own fit; if a beam has at most twice as many rays as a fit takes, the light of each is traced.
+//! from surface to surface ([`LitPath::trace`]). A polynomial in the two coordinates of the point is fitted to their
+//! shares, and gives the shares of the other rays. Further traced rays measure the error of the polynomial. If the
+//! error is too large, the beam is split into halves, each with its own fit. If a beam has at most twice as many rays
+//! as a fit needs, the light of every ray is traced.
 
 use super::{coated::LitPath, sums::mix};
 use realistic_optics::lens::Ray;
 use realistic_trace::polynomial::LeastSquares;
 
-/// Error, relative to the largest share in a beam, at which the degree suffices: less than a step of a picture's
-/// colours. A tenth of it takes a third more time, and the watts of a spray agree to four digits.
+/// Error, relative to the largest share in a beam, at which the degree of the polynomial suffices. It is less than a
+/// step of a picture's colours. With a tenth of this error, the computation takes a third more time, and the power of a
+/// spray is the same to four digits.
 const GOAL: f64 = 1e-3;
-/// Number of rays that a polynomial is fitted to, and of those that measure its error.
+/// Number of rays to which a polynomial is fitted, and number of rays that measure the error of the polynomial.
 const PROBES: [usize; 2] = [80, 20];
-/// The golden section: the fractions of its multiples are evenly spaced without a pattern.
+/// The golden section: the fractional parts of its multiples are spread evenly, but without a pattern.
 const GOLDEN: f64 = 0.618_033_988_749_895;
-/// The highest total degree.
+/// The highest total degree of a polynomial.
 const HIGHEST: usize = 7;
-/// Number of monomials up to it.
+/// Number of monomials up to the highest total degree.
 const TERMS: usize = (HIGHEST + 1) * (HIGHEST + 2) / 2;
 
-/// Returns the shares of rays that get through along each of several similar paths, by path and then by point. `ray`
-/// builds the ray at a point in the beam.
+/// Returns the remaining shares of the power of rays, which get through, along each of several similar paths: a list
+/// per path, with a share per point. `ray` builds the ray at a point in the beam.
 pub fn shares(paths: &[LitPath], points: &[[f64; 2]], ray: impl Fn([f64; 2]) -> Ray) -> Vec<Vec<f64>> {
-    // Path by path, so that the tables of one stay in the cache. A ray that is blocked after all has no light.
+    // The light is traced path by path, so that the tables of one path stay in the cache. A ray that is blocked
+    // contrary to expectation has no light.
     let carried = |rays: &[usize]| -> Vec<Vec<f64>> {
         let along = |path: &LitPath| {
             let share = |i: &usize| path.trace(ray(points[*i])).map_or(0.0, |(_, share)| share);
@@ -48,15 +51,15 @@ pub fn shares(paths: &[LitPath], points: &[[f64; 2]], ray: impl Fn([f64; 2]) -> 
             let along = beam.iter().map(|i| points[*i][axis]);
             along.fold([f64::INFINITY, f64::NEG_INFINITY], |[from, to], at| [from.min(at), to.max(at)])
         });
-        // Maps the beam to -1 … 1.
+        // Maps the bounds of the beam to [-1, 1].
         let scaled = |i: usize| -> [f64; 2] {
             std::array::from_fn(|axis| {
                 let [from, to] = bounds[axis];
                 if to > from { (2.0 * points[i][axis] - from - to) / (to - from) } else { 0.0 }
             })
         };
-        // Golden-section steps: equal steps would hit the same columns in every row of cells. One probe in five
-        // measures the error.
+        // The probes are taken in golden-section steps: equal steps would hit the same columns in every row of cells.
+        // One probe in five measures the error.
         let probes: Vec<usize> =
             (0..count).map(|k| beam[((k as f64 * GOLDEN).fract() * beam.len() as f64) as usize]).collect();
         let carried = carried(&probes);
@@ -95,14 +98,14 @@ pub fn shares(paths: &[LitPath], points: &[[f64; 2]], ray: impl Fn([f64; 2]) -> 
     shares
 }
 
-/// A point and the shares there, by path.
+/// A point, and the share at that point along each path.
 struct ShareProbe {
     point: [f64; 2],
     shares: Vec<f64>,
 }
 
-/// Returns the terms, fitted to `samples`, of the least degree whose error at `checks` is at most `error`, by path;
-/// `None` if no degree suffices.
+/// Fits polynomials to `samples` and returns their coefficients for each path. The degree is the lowest at which the
+/// errors at `checks` are at most `error`; `None` if no degree suffices.
 fn fit(samples: &[ShareProbe], checks: &[ShareProbe], error: f64) -> Option<Vec<Vec<f64>>> {
     let paths = samples.first()?.shares.len();
     let sides = (0..paths).map(|path| samples.iter().map(|probe| probe.shares[path]).collect());
@@ -177,7 +180,7 @@ mod tests {
                 }
                 let path = Path::reflected(&lens, Direction::SceneToFilm, Refraction::Fused, pair);
                 let path = LitPath::new(path, &surfaces);
-                // The rays are those of a spray, over the part of the front from which they get through.
+                // The rays are those of a spray, over the part of the front surface from which rays get through.
                 let grid = || (0..SIDE * SIDE).map(|i| [at(i % SIDE), at(i / SIDE)]);
                 let mut part = [[1.0_f64, -1.0]; 2];
                 for point in grid().filter(|point| path.trace(ray(*point)).is_ok()) {

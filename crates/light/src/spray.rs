@@ -1,14 +1,15 @@
 //! The light of a lamp along a path, over a grid of cells, at any number of wavelengths.
 //!
-//! A ray's landing point is a smooth function of the wavelength: rays of the whole grid are traced at some
-//! wavelengths, the nodes, and interpolated by polynomials at the others. The remaining light is interpolated likewise,
-//! between nodes of its own.
+//! The landing point of a ray is a smooth function of the wavelength. Rays of the whole grid are therefore traced only
+//! at some wavelengths, the nodes; at the other wavelengths, the landing points are interpolated by polynomials. The
+//! remaining light is interpolated likewise, but between different nodes.
 //!
-//! The kernel traces rays beyond the apertures, too, and reports how far outside they pass ([`ClearanceTracer`]).
-//! Within a cell this excess is interpolated linearly from the neighbouring cells' rays, and the area where it is at
-//! most 0 is lit, which makes edges smooth. The excess has a kink at a corner of two apertures, which moves with the
-//! wavelength, so cells along edges are traced at all wavelengths. A cell whose own ray is lost for another reason is
-//! dark: light there enters at grazing incidence, and fades out.
+//! The kernel also traces rays that pass outside the apertures, and reports how far outside they pass
+//! ([`ClearanceTracer`]). Within a cell this excess is interpolated linearly from the rays of the neighbouring cells.
+//! The area of the cell in which the excess is at most 0 is lit; this makes edges smooth. The excess has a kink at a
+//! corner where the edges of two apertures meet. The corner moves with the wavelength, so cells along edges are traced
+//! at all wavelengths. A cell whose own ray is lost for another reason is dark: light in such a cell enters at grazing
+//! incidence, and fades out.
 
 use super::{
     beam::{Beam, BeamGrid, Part},
@@ -19,21 +20,21 @@ use super::{
 };
 use realistic_trace::kernel::ClearanceTracer;
 
-/// Landing point and power of the light of a grid's cell.
+/// Landing point and power of the light of one cell of a grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Landing {
-    /// Film point, mm; for a partly lit cell, the mean over its lit part.
+    /// Film point, mm; for a partly lit cell, the mean over the lit part of the cell.
     pub point: [f64; 2],
-    /// Power, W, for a lamp that gives 1 W/m² at the lens, across the light.
+    /// Power, W, for a lamp that gives 1 W/m² at the lens on a plane perpendicular to its light.
     pub watts: f64,
 }
 
-/// The light of a lamp along one path: rows of cells, some of which reach the plane of the film.
+/// The light of a lamp along one path: a grid of cells. The light of some cells reaches the plane of the film.
 #[derive(Clone, Debug, Default)]
 pub struct Spray {
-    /// Cells along a side.
+    /// Number of cells along a side of the grid.
     pub side: usize,
-    /// Landings by cell, `side` rows of `side`.
+    /// Landing of each cell, in `side` rows of `side` cells; `None` if the cell is dark.
     pub cells: Vec<Option<Landing>>,
 }
 
@@ -43,12 +44,13 @@ impl Spray {
         self.landings().fold(0.0, |sum, landing| sum + landing.watts)
     }
 
-    /// Iterates over the cells that reach the plane of the film.
+    /// Iterates over the landings of the cells whose light reaches the plane of the film.
     pub fn landings(&self) -> impl Iterator<Item = &Landing> {
         self.cells.iter().flatten()
     }
 
-    /// Returns the centroid of the light on the plane of the film, and its root-mean-square distance from there, mm.
+    /// Returns the centroid, mm, of the light on the plane of the film, and the root-mean-square distance, mm, of the
+    /// light from the centroid; `None` if there is no light.
     pub fn spot(&self) -> Option<([f64; 2], f64)> {
         let watts = self.watts();
         if watts <= 0.0 {
@@ -63,31 +65,33 @@ impl Spray {
     }
 }
 
-/// Cells along a side of the grid that searches for a path's lit part.
+/// Number of cells along a side of the first grid in a search for the lit part of a path.
 const COARSE: usize = 40;
-/// Maximum for finer grids, used if no cell is lit, or only a small part of the lit cells' bounding box: an entrance
-/// pupil a 150th as wide as the front is still found.
+/// Maximum number of cells along a side of finer grids, which are used if no cell is lit, or if the lit cells fill only
+/// a small part of their bounding box. They still find an entrance pupil that is 1/150 as wide as the front surface.
 const FINEST: usize = 160;
-/// A single connected area lights at least one in this many cells of its bounding box: a disk lights three in four.
+/// A single connected area lights at least one in this many cells of its bounding box; a disk lights three in four.
 const FULL: usize = 4;
-/// Number of lit cells that locate the part well enough.
+/// Number of lit cells that suffice to locate the lit part.
 const ENOUGH: usize = 60;
-/// Maximum number of searches, each within the result of the last.
+/// Maximum number of searches; each is confined to the part that the previous search found.
 const ROUNDS: usize = 4;
 
 /// Tracers for one path of a lens that a lamp lights.
 pub(super) struct PairTracers<'a> {
-    /// Tracers of the whole path, by wavelength.
+    /// Tracer of the whole path at each wavelength.
     pub tracers: &'a [ClearanceTracer],
-    /// Tracers up to the first mirror, if there is one, at the first and the last wavelength.
+    /// Tracers of the path up to the first mirror, at the first and the last wavelength; empty if the path has no
+    /// mirror.
     pub approaches: &'a [ClearanceTracer],
     /// Indices of the wavelengths at which the whole grid is traced.
     pub nodes: &'a [usize],
-    /// The path without clear apertures, with its light, at the nodes of light.
+    /// The path without its clear apertures, with the optical properties of its surfaces, at each wavelength at which
+    /// light is traced.
     pub light: &'a [LitPath],
 }
 
-/// Weights of the nodes at a wavelength.
+/// Weights of the nodes in the interpolation at a wavelength.
 #[derive(Clone, Debug)]
 pub(super) struct Mixture {
     /// Weights for landing points.
@@ -97,15 +101,15 @@ pub(super) struct Mixture {
 }
 
 impl Mixture {
-    /// Weights of a single node at the wavelength itself.
+    /// Returns the weights for a single node, at the wavelength itself.
     pub fn own() -> Self {
         Self { landing: vec![1.0], light: vec![1.0] }
     }
 }
 
-/// Traces the light of a lamp along a path, by a grid of `side` x `side` cells over the part that gets through, and
-/// passes the spray at each wavelength to `found`. Sprays are empty if no such part is found. `front` is the front
-/// sphere of the lens.
+/// Traces the light of a lamp along a path, by a grid of `side` x `side` cells over the part of the light that gets
+/// through. Passes the index of each wavelength and the spray at it to `found`. Sprays are empty if no such part is
+/// found. `front` is the front sphere of the lens.
 pub(super) fn sprays(
     pair: &PairTracers<'_>,
     lamp: Lamp,
@@ -126,7 +130,7 @@ pub(super) fn sprays(
     let along_edges = with_neighbours(&edge, side);
     let lit: Vec<usize> = inside.iter().chain(&edge).copied().collect();
     let points: Vec<[f64; 2]> = lit.iter().map(|cell| grid.center(*cell)).collect();
-    // mm² to m².
+    // The factor 1e-6 converts mm² to m².
     let area = 1e-6 * grid.size().map(|size| size * beam.radius).iter().product::<f64>();
     let sent: Vec<f64> = points.iter().map(|point| area * beam.ray(*point).1).collect();
     // Shares are symmetric about the plane through the lamp and the axis, where the first coordinate of a point is 0.
@@ -162,11 +166,11 @@ pub(super) fn sprays(
     }
 }
 
-/// Returns the part of a beam from which rays reach the film, at the first wavelength or the last, with a margin.
+/// Returns the part of a beam from which rays reach the film, at the first or the last wavelength, with a margin.
 ///
-/// Rays of a ghost first follow the direct path up to the farther mirror. Those that reach it fill one connected area
-/// of the beam, which a coarse search finds; the light that then reaches the film is in rings and slivers of that area,
-/// too narrow to be found in a search of the whole.
+/// Rays of a ghost first follow the direct path up to the farther mirror. The rays that reach this mirror fill one
+/// connected area of the beam, which a coarse search finds. The rays that then reach the film fill rings and slivers
+/// within that area, which are too narrow to be found in a search of the whole beam.
 fn lit_part(pair: &PairTracers<'_>, beam: &Beam) -> Option<Part> {
     let whole = [[-1.0, 1.0]; 2];
     let part = if pair.approaches.is_empty() { whole } else { search(pair.approaches.iter(), beam, whole)? };
@@ -178,7 +182,8 @@ pub(super) fn ends<T>(all: &[T]) -> impl Iterator<Item = &T> + Clone {
     all.first().into_iter().chain(all.get(1..).and_then(<[T]>::last))
 }
 
-/// Narrows a part to the bounding box, with a margin, of the cells from which rays get through by any of the tracers.
+/// Narrows a part to the bounding box, with a margin, of the cells whose rays get through according to any of the
+/// tracers.
 fn search<'a>(
     tracers: impl Iterator<Item = &'a ClearanceTracer> + Clone,
     beam: &Beam,
@@ -198,8 +203,8 @@ fn search<'a>(
             let lit: Vec<usize> = rays.filter(|(_, ray)| ray[0] <= 0.0).map(|(cell, _)| cell).collect();
             let box_of = [bounds(lit.iter().map(|i| i % side)), bounds(lit.iter().map(|i| i / side))];
             let cells: usize = box_of.iter().map(|[from, to]| (to + 1).saturating_sub(*from)).product();
-            // A pupil behind a wide front is a small part, and rings and slivers light only some cells: the grid is
-            // refined if no cell is lit, or if the lit cells do not fill their box.
+            // A pupil behind a wide front surface is a small part of the grid, and rings and slivers light only some
+            // cells. The grid is therefore refined if no cell is lit, or if the lit cells do not fill their box.
             if lit.len() * FULL >= cells * tracer_count && !lit.is_empty() || side >= FINEST {
                 break (lit, box_of);
             }
@@ -227,11 +232,12 @@ fn bounds(indices: impl Iterator<Item = usize>) -> [usize; 2] {
     indices.fold([usize::MAX, 0], |[least, greatest], index| [least.min(index), greatest.max(index)])
 }
 
-/// Rays through the cells of a grid.
+/// Rays through the centres of the cells of a grid.
 struct SprayedRays {
     side: usize,
-    /// Excess, in units of the semi-diameter, by which a ray passes outside the apertures, and its film point, mm. The
-    /// excess is at most 0 if the ray gets through, and infinite if it is lost for another reason or was not traced.
+    /// The excess, in units of the semi-diameter, by which the ray of each cell passes outside the apertures, and the
+    /// ray's film point, mm. The excess is at most 0 if the ray gets through, and infinite if the ray is lost for
+    /// another reason or was not traced.
     rays: Vec<[f64; 3]>,
 }
 
@@ -261,7 +267,7 @@ impl SprayedRays {
         Some(self.rays[cell]).filter(|ray| ray[0] < f64::INFINITY)
     }
 
-    /// Returns a cell's ray and its differences to those of its neighbours.
+    /// Returns the ray of a cell, and its change from cell to cell; `None` if the ray is lost.
     fn local(&self, cell: usize) -> Option<Local> {
         let own = self.ray(cell)?;
         let change = |[before, after]: [Option<usize>; 2]| {
@@ -275,7 +281,7 @@ impl SprayedRays {
     }
 }
 
-/// Returns the cells on the left, on the right, above and below.
+/// Returns the cells on the left and on the right of a cell, above and below it; `None` beyond the grid.
 fn neighbours(cell: usize, side: usize) -> [Option<usize>; 4] {
     let (row, column) = (cell / side, cell % side);
     [
@@ -295,7 +301,7 @@ fn with_neighbours(cells: &[usize], side: usize) -> Vec<usize> {
     all
 }
 
-/// Returns the cells that are lit at all nodes, like their neighbours, and the cells along edges.
+/// Returns two lists: the cells that are lit at all nodes, as all of their neighbours are, and the cells along edges.
 fn sorted(nodes: &[SprayedRays], side: usize) -> [Vec<usize>; 2] {
     let count = |cell: usize| nodes.iter().filter(|node| node.rays[cell][0] <= 0.0).count();
     let lit: Vec<usize> = (0..side * side).map(count).collect();
@@ -324,7 +330,7 @@ impl Local {
     fn lit(self) -> Option<(f64, [f64; 2])> {
         let Self([[excess, x, y], by_column, by_row]) = self;
         let slopes = [by_column[0], by_row[0]];
-        // The area, and the first moments, of a p + b q <= s in the unit square.
+        // The area, and the first moments, of the region a p + b q <= s of the unit square.
         let steepest = slopes[0].abs().max(slopes[1].abs()).max(f64::MIN_POSITIVE);
         let [a, b] = slopes.map(|slope| slope.abs().max(FLAT * steepest));
         let s = f64::midpoint(a, b) - excess;
@@ -342,13 +348,13 @@ impl Local {
             (s * (s * s - rest * rest) / 2.0 - (s.powi(3) - rest.powi(3)) / 3.0) / (a * a)
         };
         let moment = |a: f64, b: f64| (inner(a, s) - inner(a, s - b)) / b;
-        // Centroid relative to the cell's centre; p grows with the excess.
+        // Centroid relative to the centre of the cell; p and q grow with the excess.
         let off = |moment: f64, slope: f64| 1.0_f64.copysign(slope) * (moment / area - 0.5);
         let (u, v) = (off(moment(a, b), slopes[0]), off(moment(b, a), slopes[1]));
         Some((area, [1, 2].map(|k| [x, y][k - 1] + u * by_column[k] + v * by_row[k])))
     }
 }
 
-/// Minimum ratio of the excess's two slopes, so that nothing is divided by 0: it changes a cell's share by at most half
-/// of it.
+/// Minimum ratio of the smaller to the larger slope of the excess, which prevents a division by 0. It changes the lit
+/// share of a cell by at most half of this ratio.
 const FLAT: f64 = 1e-3;

@@ -1,15 +1,14 @@
-//! Thin films on a surface: takes a stack of layers, the media around it and an angle; returns reflection and
-//! transmission by the transfer matrix (F. Abelès, "Recherches sur la propagation des ondes électromagnétiques
-//! sinusoïdales dans les milieux stratifiés", *Annales de Physique* 12, 1950; H. A. Macleod, *Thin-Film Optical
-//! Filters*, chapter 2).
+//! Thin films on a surface: reflection and transmission of a stack of layers between two media at an angle, computed by
+//! the transfer matrix (F. Abelès, "Recherches sur la propagation des ondes électromagnétiques sinusoïdales dans les
+//! milieux stratifiés", *Annales de Physique* 12, 1950; H. A. Macleod, *Thin-Film Optical Filters*, chapter 2).
 //!
-//! A layer of index n and thickness d turns the tangential fields by δ = 2π n d cos θ/λ; with the tilted admittance
-//! η = n cos θ (s) or n/cos θ (p) its matrix is
+//! A layer of index n and thickness d changes the phase of the tangential fields by δ = 2π n d cos θ/λ. With the tilted
+//! admittance η = n cos θ (s) or η = n/cos θ (p), the matrix of the layer is
 //!
 //! M = [[cos δ, i sin δ/η], [i η sin δ, cos δ]].
 //!
 //! The product of all matrices times (1, η') is (B, C), and r = (η B - C)/(η B + C), t = 2 η/(η B + C). R = |r|² and T
-//! = Re(η') |t|²/η are computed separately, so R + T = 1 is a test. No layer absorbs.
+//! = Re(η') |t|²/η are computed separately, so R + T = 1 can be used as a test. No layer absorbs.
 
 use std::{
     f64::consts::TAU,
@@ -18,16 +17,16 @@ use std::{
 
 use realistic_optics::prescription::Layer;
 
-/// Effect of a surface on reflected or on transmitted light: on the amplitudes of the component across the plane of
-/// incidence (s) and in it (p).
+/// Effect of a surface on reflected or on transmitted light: on the amplitudes of the component perpendicular to the
+/// plane of incidence (s) and of the component in this plane (p).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Share {
     /// Share of the power of s.
     pub s: f64,
     /// Share of the power of p.
     pub p: f64,
-    /// `a_s a_p*` of the amplitudes, whose squares are powers; it transforms light that is neither s nor p alone. p is
-    /// measured by its component along the surface.
+    /// Product `a_s a_p*` of the amplitudes, whose squared magnitudes are the shares of the power. It transforms light
+    /// that is neither s nor p alone. The amplitude of p is that of its component along the surface.
     pub cross: [f64; 2],
 }
 
@@ -37,7 +36,7 @@ impl Share {
         f64::midpoint(self.s, self.p)
     }
 
-    /// The identity: all light, unchanged.
+    /// The identity, which leaves all light unchanged.
     pub const WHOLE: Self = Self { s: 1.0, p: 1.0, cross: [1.0, 0.0] };
 }
 
@@ -57,13 +56,13 @@ impl Split {
     }
 }
 
-/// Computes the shares of light of a wavelength, nm, that crosses `layers`, in this order, between media of the indices
-/// `n` and `n_behind`, at an angle of incidence with this cosine.
+/// Computes the reflected and the transmitted share of light of a wavelength, nm, that meets `layers`, in this order,
+/// between two media, given by their refractive indices. `cosine` is that of the angle of incidence.
 pub fn split(layers: &[Layer], media: [f64; 2], cosine: f64, wavelength: f64) -> Split {
     split_from_behind(layers.iter().rev(), media, cosine, wavelength)
 }
 
-/// [`split`], with the layers from the last that light meets to the first.
+/// Computes [`split`] for layers in reverse order, from the last that light meets to the first.
 pub(super) fn split_from_behind<'a>(
     layers: impl Iterator<Item = &'a Layer> + Clone,
     [n, n_behind]: [f64; 2],
@@ -112,8 +111,8 @@ impl Complex {
         Self { re, im: 0.0 }
     }
 
-    /// Square root of a real number, positive or positive imaginary, and never 0: at exactly grazing incidence p has no
-    /// admittance.
+    /// Returns the square root of a real number, which is positive or positive imaginary. The result is never 0,
+    /// because at exactly grazing incidence p would have no admittance.
     fn root(square: f64) -> Self {
         const LEAST: f64 = 1e-60;
         if square == 0.0 {

@@ -2,7 +2,7 @@
 
 use realistic_simd::{Compiled, Simd};
 
-/// Writes the sum of the columns, each times its share, to `into`.
+/// Writes the sum of the columns, each multiplied by its share, to `into`.
 pub fn mix<'a>(into: &mut Vec<f64>, shares: &[f64], columns: impl Iterator<Item = &'a [f64]>) {
     into.clear();
     for (share, column) in shares.iter().zip(columns) {
@@ -10,7 +10,7 @@ pub fn mix<'a>(into: &mut Vec<f64>, shares: &[f64], columns: impl Iterator<Item 
     }
 }
 
-/// Adds a column, times its share, to a sum; an empty sum counts as 0.
+/// Adds a column, multiplied by its share, to a sum; an empty sum counts as 0.
 fn add(into: &mut Vec<f64>, share: f64, column: &[f64]) {
     into.resize(column.len(), 0.0);
     Simd::best().run(Add { into, share, column });

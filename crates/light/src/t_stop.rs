@@ -1,5 +1,5 @@
-//! Transmission of a lens on its axis, and the resulting T-number: traces the beam of a distant point on the axis and
-//! averages its remaining light.
+//! Transmission of a lens on its axis, and the resulting T-number. The beam of a distant point on the axis is traced,
+//! and the remaining light is averaged.
 
 use super::coated::{LitPath, Surfaces};
 use realistic_optics::{
@@ -8,15 +8,15 @@ use realistic_optics::{
     trace::Path,
 };
 
-/// Number of annuli of the beam, all of the same area.
+/// Number of annuli into which the beam is divided, all of the same area.
 const RINGS: u32 = 512;
 
 /// Transmission of the beam of a distant point on the axis, at the lens's wavelength.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TStop {
-    /// Share of the light of a lossless lens that remains.
+    /// Ratio of the light behind the lens to that behind a lossless lens.
     pub transmission: f64,
-    /// T-number: the f-number over the square root of the transmission (ISO 517). Infinite for an afocal lens.
+    /// T-number: the f-number divided by the square root of the transmission (ISO 517); infinite for an afocal lens.
     pub number: f64,
 }
 

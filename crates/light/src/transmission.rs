@@ -1,10 +1,10 @@
 //! Transmission as a part of the trace: rays of either precision carry their light from step to step of the kernel, in
 //! lanes of single precision.
 //!
-//! A step gives the normal of the surface and n cos I on both sides of it; the surface's effect on the light follows
-//! from these ([`LaneSurface`]), and the state of polarisation is carried along ([`LaneLight`]). Between surfaces glass
-//! absorbs. The result is within 1e-4, relative, of the exact product over the surfaces
-//! ([`LitPath::trace`](super::LitPath::trace) without tables) for every ray.
+//! A step gives the normal of the surface and n cos I on both sides of the surface. The effect of the surface on the
+//! light follows from these ([`LaneSurface`]). The state of polarisation is carried along ([`LaneLight`]). Between
+//! surfaces, the glass absorbs light. For every ray, the relative error is at most 1e-4, compared to the exact product
+//! over the surfaces ([`LitPath::trace`](super::LitPath::trace) without tables).
 
 use super::{
     absorption::{Absorbers, AbsorptionCurves},
@@ -20,7 +20,7 @@ use realistic_optics::{
 use realistic_simd::{Cpu, Lanes, Scalar};
 use realistic_trace::kernel::{Carried, Crossing, KernelScalar, LensSteps, Own, Step, Table};
 
-/// The light that rays carry through a lens, beside what they carry in any case (`C`).
+/// The light that rays carry through a lens, in addition to the data that they carry in any case (`C`).
 #[derive(Clone, Debug)]
 pub struct Transmission<C> {
     carried: C,
@@ -29,13 +29,13 @@ pub struct Transmission<C> {
     surfaces: Box<[LaneSurface]>,
     /// The lens's own wavelength, nm.
     wavelength: f32,
-    /// Absorption by wavelength, if rays have wavelengths of their own.
+    /// Absorption as a function of the wavelength, used if each ray has its own wavelength.
     curves: AbsorptionCurves,
     /// Whether any glass absorbs.
     absorbs: bool,
 }
 
-/// A step of the kernel, as light meets it.
+/// The optical properties of a step of the kernel.
 #[derive(Clone, Copy, Debug)]
 struct LitStep {
     /// Index of the surface; `None` if the medium does not change.
@@ -49,9 +49,9 @@ struct LitStep {
 #[derive(Clone, Copy, Debug)]
 enum Absorption {
     None,
-    /// n α, 1/mm, at the lens's own wavelength.
+    /// Refractive index times absorption coefficient, n α, 1/mm, at the lens's own wavelength.
     Fixed(f32),
-    /// Index of the glass's curve.
+    /// Index of the absorption curve of the glass.
     Curve(usize),
 }
 
@@ -60,8 +60,8 @@ enum Absorption {
 const GOAL: f64 = 5e-5;
 
 impl Transmission<Own> {
-    /// Adds light to the steps of a lens with these coatings, from the scene on, traced in a direction at the lens's
-    /// own wavelength.
+    /// Adds light to the steps of a lens that is traced in `direction` at the lens's own wavelength. `coatings` are
+    /// listed from the scene on.
     pub fn steps<S: KernelScalar>(
         steps: &LensSteps<S, Own>,
         lens: &Lens,
@@ -101,7 +101,8 @@ impl Transmission<Own> {
 }
 
 impl<C> Transmission<C> {
-    /// Adds light to the steps of a lens from the film whose rays have wavelengths of their own, nm, within `range`.
+    /// Adds light to the steps of a lens that is traced from the film, for rays that each have their own wavelength,
+    /// nm, within `range`.
     pub fn steps_at_wavelengths<S: KernelScalar>(
         steps: LensSteps<S, C>,
         lens: &Lens,
@@ -110,7 +111,7 @@ impl<C> Transmission<C> {
         range: [f64; 2],
     ) -> LensSteps<S, Self> {
         let mut surfaces = Vec::new();
-        // Media with one index at the lens's own wavelength may differ at others.
+        // Media with the same index at the lens's own wavelength may have different indices at other wavelengths.
         let index_of = |surface: usize, media| {
             surfaces.push(stack(&coatings[surface], media));
             Some(surfaces.len() - 1)
@@ -123,7 +124,7 @@ impl<C> Transmission<C> {
         Self::added(steps, lit, surfaces, lens.wavelength, curves)
     }
 
-    /// Adds these steps of the light to those of a lens; `wavelength` is the lens's own, nm.
+    /// Adds the light's steps `lit` to the steps of a lens; `wavelength` is the lens's own, nm.
     fn added<S>(
         steps: LensSteps<S, C>,
         lit: Box<[LitStep]>,
@@ -138,9 +139,9 @@ impl<C> Transmission<C> {
     }
 }
 
-/// Returns the steps of a lens for light. `index_of` takes a surface, counted from the scene, and its media in the
-/// order of the light, and returns its index among the distinct surfaces; `absorption` is that of the medium behind a
-/// surface.
+/// Returns the optical properties of the steps of a lens. `index_of` returns the index, among the distinct surfaces, of
+/// a surface that is given by its number from the scene and its media in the order of the light. `absorption` returns
+/// the absorption of the medium behind a surface.
 fn lit_steps<S: Scalar>(
     table: &Table<S>,
     lens: &Lens,
@@ -157,7 +158,7 @@ fn lit_steps<S: Scalar>(
             Direction::FilmToScene => ([own.n_film, own.n_scene], Some(surface)),
             Direction::SceneToFilm => ([own.n_scene, own.n_film], surface.checked_sub(1)),
         };
-        // Light before the first surface is not in the lens.
+        // Before the first surface, the light is not in the lens.
         let medium = if std::mem::take(&mut is_first) { None } else { medium };
         let is_crossed = step.refracts();
         LitStep {
@@ -169,7 +170,7 @@ fn lit_steps<S: Scalar>(
     table.steps.iter().zip(&table.surfaces).map(step).collect()
 }
 
-/// Returns a surface between these media, in the order of the light, with its layers.
+/// Returns a surface with its layers, between `media`, which are in the order of the light.
 fn stack(coating: &SurfaceCoating, media: [f64; 2]) -> LaneSurface {
     let side = AirSide::of(media);
     let layers = side.map_or_else(Vec::new, |_| coating.from_air());

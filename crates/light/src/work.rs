@@ -1,5 +1,5 @@
-//! A bound on the work of building a camera's ghosts. The unit is one ray with its light at one surface, some 50 ns.
-//! No lens exceeds the bound, however many surfaces, aspheres or layers it has.
+//! A bound on the work of building a camera's ghosts. The unit is the work for one ray, with its light, at one surface:
+//! some 50 ns. No lens exceeds the bound, however many surfaces, aspheres or layers it has.
 
 use std::cell::Cell;
 
@@ -13,7 +13,7 @@ thread_local! {
     static SPENT: Cell<u64> = const { Cell::new(0) };
 }
 
-/// Returns the units spent on this thread so far, for tests of the bound.
+/// Returns the units of work spent on this thread so far, for tests of the bound.
 pub fn work_spent() -> u64 {
     SPENT.get()
 }
@@ -27,7 +27,7 @@ impl Work {
         Self { left: Cell::new(units) }
     }
 
-    /// Spends units. Returns whether that many were left.
+    /// Spends units. Returns whether so many units were left.
     pub fn spend(&self, units: u64) -> bool {
         let left = self.left.get().checked_sub(units);
         SPENT.set(SPENT.get().saturating_add(if left.is_some() { units } else { 0 }));
@@ -35,8 +35,8 @@ impl Work {
         left.is_some()
     }
 
-    /// [`Work::spend`] for rays that are traced in lanes without their light; each takes `each` surfaces
-    /// ([`realistic_optics::trace::Path::work`]).
+    /// Spends the work of rays that are traced in lanes without their light, as [`Work::spend`] does. A ray intersects
+    /// `each` surfaces ([`realistic_optics::trace::Path::work`]).
     pub fn spend_rays(&self, rays: usize, each: usize) -> bool {
         self.spend((rays as u64).saturating_mul(each as u64) / SIDE_BY_SIDE)
     }

@@ -1,5 +1,6 @@
-//! Instruction sets of the kernel: detected once per process, limited by the environment variable `REALISTIC_SIMD`.
-//! An [`Available`] proves that the processor has the instructions; no compiled instance is called without it.
+//! Instruction sets that the kernel is compiled for. The best one is determined once per process, within the limit that
+//! the environment variable `REALISTIC_SIMD` sets. An [`Available`] proves that the processor has the instructions; to
+//! call a compiled instance requires an [`Available`].
 
 use std::sync::atomic::{AtomicU8, Ordering::Relaxed};
 
@@ -13,19 +14,19 @@ pub enum Simd {
     Portable,
     /// AVX2 and FMA: 256-bit registers.
     Avx2,
-    /// AVX-512F on top: 512-bit registers.
+    /// AVX-512F in addition to AVX2 and FMA: 512-bit registers.
     Avx512,
 }
 
-/// A set of instructions that this processor has: only detection makes one.
+/// An instruction set that this processor has; only detection creates a value of this type.
 #[derive(Clone, Copy, Debug)]
 pub struct Available(Simd);
 
 impl Available {
-    /// [`Simd::best`].
+    /// Returns the proof for [`Simd::best`].
     pub fn best() -> Self {
-        /// Index in [`Simd::ALL`] plus 1; 0 until it is known. Not a lock: a process forked while it is held would
-        /// wait for ever.
+        /// Index of the best set in [`Simd::ALL`] plus 1; 0 until the set is known. An atomic number rather than a
+        /// lock: a process that is forked while another thread holds a lock would wait for it forever.
         static BEST: AtomicU8 = AtomicU8::new(0);
         let known = usize::from(BEST.load(Relaxed)).checked_sub(1);
         if let Some(best) = known {
@@ -45,9 +46,10 @@ impl Available {
     }
 }
 
-/// Simple loops that are compiled for each set of instructions: see [`Simd::run`].
+/// Simple loops that are compiled for each instruction set; see [`Simd::run`].
 pub trait Compiled {
-    /// Does the work. Must be marked `#[inline(always)]`, and the functions that it calls must be inlined into it.
+    /// Does the work. This method must be marked `#[inline(always)]`, and the functions that it calls must be inlined
+    /// into it.
     fn run(self);
 }
 
@@ -84,10 +86,10 @@ impl Simd {
         }
     }
 
-    /// Returns the most capable set that the environment variable allows; `None` if it is not set.
+    /// Returns the most capable set that the environment variable allows; `None` if the variable is unset or empty.
     ///
     /// # Errors
-    /// A message for the user, if the variable names no set of instructions.
+    /// Returns a message for the user if the variable does not name an instruction set.
     pub fn limit() -> Result<Option<Self>, String> {
         let Some(given) = std::env::var_os(VARIABLE).filter(|given| !given.is_empty()) else {
             return Ok(None);
@@ -100,19 +102,20 @@ impl Simd {
         })
     }
 
-    /// Returns the proof that this processor has the set, if it does.
+    /// Returns the proof that this processor has the set; `None` if the processor lacks it.
     pub fn available(self) -> Option<Available> {
         self.is_available().then_some(Available(self))
     }
 
-    /// Returns the most capable set that the processor has and the environment variable `REALISTIC_SIMD` (`portable`,
-    /// `avx2`, `avx512`) allows; any other value allows all. Determined once per process.
+    /// Returns the most capable set that the processor has and that the environment variable `REALISTIC_SIMD`
+    /// (`portable`, `avx2`, `avx512`) allows; any other value allows all sets. The result is determined once per
+    /// process.
     pub fn best() -> Self {
         Available::best().simd()
     }
 
-    /// Does work with these instructions, or with the portable ones only if the processor lacks them. The results are
-    /// the same to the last bit: the compiler fuses no operations.
+    /// Does work with the instructions of this set or, if the processor lacks them, with the portable instructions
+    /// only. The results are the same to the last bit, because the compiler fuses no operations.
     pub fn run(self, work: impl Compiled) {
         #[cfg(target_arch = "x86_64")]
         match self.available().map(Available::simd) {

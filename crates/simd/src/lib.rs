@@ -1,20 +1,20 @@
 //! Vectors of numbers, the instruction sets that a processor has, and the choice among them.
 //!
 //! An algorithm is written once, over [`Lanes`], and compiled for each instruction set. Every operation is correctly
-//! rounded, so all sets give the same bits in one precision.
+//! rounded, so all instruction sets give the same bits in the same precision.
 //!
 //! | type | is |
 //! |---|---|
 //! | [`Simd`] | an instruction set, detected once per process and limited by `REALISTIC_SIMD` |
-//! | [`Available`] | the proof that the processor has it |
-//! | [`Cpu`] | the same proof for one type of vector, without which no vector is made |
-//! | [`Scalar`] | the number in a lane, `f64` or `f32` |
+//! | [`Available`] | the proof that the processor has an instruction set |
+//! | [`Cpu`] | the proof that the processor has the instructions of one vector type; making a vector requires it |
+//! | [`Scalar`] | the type of the number in a lane: `f64` or `f32` |
 //! | [`Lanes`] | a vector with its operations |
-//! | [`Portable`], [`OneLane`] | a vector as an array, for any processor |
+//! | [`Portable`], [`OneLane`] | vectors stored in arrays, for any processor |
 //! | [`LookUp`], [`Indexed`] | tables that each lane reads at an index of its own |
-//! | [`Compiled`] | work that [`Simd::run`] compiles for each set |
+//! | [`Compiled`] | work that is compiled for each instruction set, for [`Simd::run`] |
 //!
-//! It depends on `base`; `trace`, `light` and `camera` depend on it.
+//! This crate depends on `base`; `trace`, `light` and `camera` depend on this crate.
 //!
 //! ```
 //! use realistic_simd::{Compiled, Lanes, Portable, Simd};
@@ -37,7 +37,7 @@
 //! assert_eq!(numbers, [1.0, 4.0, 9.0, 16.0, 25.0]);
 //! ```
 //!
-//! Only the face of the crate `realistic` is promised; this one may change in any version.
+//! Only the public interface of the crate `realistic` is stable; the interface of this crate may change in any version.
 
 mod instruction_sets;
 pub mod lanes;

@@ -1,7 +1,7 @@
 //! Field of view: the angle in the scene that the film's diagonal covers, and the lit radius of the film.
 //!
-//! Computes, for a lens and its film position, the beam of slopes that a film point receives and its chief ray, in the
-//! plane through the axis (R. Kingslake, *Optics in Photography*, ch. 1).
+//! For a lens and its film position, this module computes the beam that a film point receives, as a range of slopes,
+//! and the chief ray of the point, both in the plane through the axis (R. Kingslake, *Optics in Photography*, ch. 1).
 
 use crate::kernel::{Kernel, PlaneRays, RayBuffer};
 use realistic_base::numeric::{edge, root};
@@ -11,42 +11,42 @@ use realistic_optics::{
     trace::{Path, Ray},
 };
 
-/// Returns the field angle of the thick lens for film of this diagonal at the focal plane, radians: 2 atan(d/2f)
+/// Returns the field angle, radians, of a thick lens for a film with this diagonal in the focal plane: 2 atan(d/2f)
 /// (Kingslake, *Optics in Photography*, ch. 1).
 pub fn paraxial(focal_length: f64, diagonal: f64) -> f64 {
     2.0 * (diagonal / (2.0 * focal_length.abs())).atan()
 }
 
-/// The light that reaches film points at a distance from the axis, in the plane through the axis.
+/// The rays that reach film points at any distance from the axis, in the plane through the axis.
 #[derive(Clone, Debug)]
 pub struct Field {
     path: Path,
     /// The compiled path, for many rays at once.
     kernel: Kernel<f64>,
     to_stop: Path,
-    /// Index of the stop along the travel.
+    /// Index of the stop, counted along the direction of travel.
     stop: usize,
     film: f64,
     rear: f64,
     rear_radius: f64,
 }
 
-/// Number of rays across the rear element in a search for those that get through.
+/// Number of rays, spread across the rear element, in a scan for rays that get through.
 const SCAN: u32 = 1024;
 /// Number of rays traced per batch.
 const PART: u32 = 64;
-/// Stride of the coarse chief-ray scan.
+/// Stride of the coarse scan for the chief ray.
 const COARSE: u32 = SCAN / PART;
 
 impl Field {
-    /// Prepares a lens with film at `film` (z in lens space, mm, behind the whole lens).
+    /// Prepares a lens with the film at `film` (z in lens space, mm, behind the whole lens).
     pub fn new(lens: &Lens, film: f64) -> Self {
         let stop = stop_or_limiting(lens);
-        // A ray clipped by an aperture behind the stop is not a chief ray, and is not traced further.
+        // A ray that an aperture behind the stop blocks is not a chief ray, and is not traced further.
         let behind = Lens { surfaces: lens.surfaces[stop..].to_vec(), ..lens.clone() };
         let rear = lens.rear();
         let [edge_sagitta, _] = rear.sagitta_range();
-        // The rear surface seen from the film: by perspective an edge closer to the film appears larger.
+        // Radius of the rear surface as seen from the film: by perspective, an edge closer to the film appears larger.
         let rear_radius =
             rear.semi_diameter * 1.0_f64.max((rear.vertex - film) / (rear.vertex + edge_sagitta - film));
         let path = Path::film_to_scene(lens);
@@ -70,46 +70,48 @@ impl Field {
     }
 
     /// Returns the lowest and the highest slope dy/dz, in the plane through the axis, at which rays of the film point
-    /// at `height` mm from the axis get through, or `None` if the point is dark. Several intervals count as one.
+    /// at `height` mm from the axis get through, or `None` if the point is dark. Several separate intervals count as
+    /// one.
     pub fn beam(&self, height: f64) -> Option<[f64; 2]> {
         Some(self.to_edges(height, self.scanned(height)?))
     }
 
-    /// Extends a scan's beam to its edges.
+    /// Extends the beam that a scan found to the exact edges.
     fn to_edges(&self, height: f64, [low, high]: [f64; 2]) -> [f64; 2] {
         [self.to_edge(height, low, -1.0), self.to_edge(height, high, 1.0)]
     }
 
-    /// Extends one end of a scan's beam, in the direction `outward`, to its edge.
+    /// Extends one end of the beam that a scan found, in the direction `outward`, to the exact edge.
     fn to_edge(&self, height: f64, end: f64, outward: f64) -> f64 {
         let step = self.scan(height, 1) - self.scan(height, 0);
         edge(end, end + outward * step, 0.0, |slope| self.passes(height, slope))
     }
 
-    /// Returns a slope of the scan.
+    /// Returns the slope of the scan with index `i`.
     fn scan(&self, height: f64, i: u32) -> f64 {
         let at_rear = self.scan_reach(height) * (2.0 * (f64::from(i) + 0.5) / f64::from(SCAN) - 1.0);
         (at_rear - height) / (self.rear - self.film)
     }
 
-    /// Returns the distance from the axis that the scan covers, at the rear vertex.
+    /// Returns the distance from the axis up to which the scan covers the plane of the rear vertex.
     fn scan_reach(&self, height: f64) -> f64 {
-        // Off the axis, parallax shifts an edge in front of or behind the vertex: half the height more.
+        // Off the axis, parallax shifts an edge that is in front of the vertex or behind it. To allow for this, half of
+        // the height is added.
         self.rear_radius + 0.5 * height.abs()
     }
 
-    /// Returns the start of a part of the scan with this slope near its middle.
+    /// Returns the first index of the part of the scan whose middle is near this slope.
     fn part_about(&self, height: f64, slope: f64) -> u32 {
         let at_rear = height + slope * (self.rear - self.film);
         let index = 0.5 * (at_rear / self.scan_reach(height) + 1.0) * f64::from(SCAN);
         (index as u32).saturating_sub(PART / 2).min(SCAN - PART)
     }
 
-    /// Returns the lowest and the highest slope of a scan that get through; for a stop between two slopes, that through
-    /// its centre.
+    /// Returns the lowest and the highest slope of a scan whose rays get through. If the stop is so narrow that it lies
+    /// between two slopes, both are the slope through the centre of the stop.
     fn scanned(&self, height: f64) -> Option<[f64; 2]> {
         let at = |i: u32| self.scan(height, i);
-        // The kernel preselects; within rounding of an edge the path decides.
+        // The kernel preselects rays; for rays within rounding of an edge, the path decides.
         let passes = |i: &u32| self.passes(height, at(*i));
         let parts = || (0..SCAN / PART).map(|part| self.may_pass(height, part * PART, 1));
         Some(match parts().find_map(|slopes| slopes.into_iter().find(passes)) {
@@ -120,7 +122,8 @@ impl Field {
         })
     }
 
-    /// Returns the slopes that the kernel lets through, from a part of the scan: every `each`-th from `first` on.
+    /// Returns the indices of slopes of the scan whose rays the kernel lets through, among [`PART`] slopes: every
+    /// `each`-th from `first` on.
     fn may_pass(&self, height: f64, first: u32, each: u32) -> Vec<u32> {
         const COUNT: usize = PART as usize;
         let number = |i: u32| first + each * i;
@@ -153,16 +156,18 @@ impl Field {
         Some(root(low, high, in_stop)).filter(|&slope| self.passes(height, slope))
     }
 
-    /// Returns the chief ray of the film point at `height`, in the scene: the ray through the stop's centre or, if
-    /// vignetting blocks that, the nearest to it that gets through. `None` if the film is dark.
+    /// Returns the chief ray, in the scene, of the film point at `height`: the ray through the centre of the stop or,
+    /// if vignetting blocks that ray, the ray nearest to the centre among those that get through. `None` if the film
+    /// point is dark.
     pub fn chief_ray(&self, height: f64) -> Option<Ray> {
         self.path.trace(self.ray(height, self.chief_slope(height, None)?)).ok()
     }
 
-    /// Returns [`Field::chief_ray`] of evenly spaced film points, from the axis up to the first that is dark.
+    /// Returns the heights and the chief rays ([`Field::chief_ray`]) of evenly spaced film points, from the axis up to,
+    /// but without, the first dark point.
     pub fn chief_rays(&self, spacing: f64, count: u32) -> Vec<(f64, Ray)> {
         let mut rays = Vec::with_capacity(count as usize);
-        // The last slope and the one before.
+        // The slope of the last chief ray, and that of the chief ray before it.
         let mut slopes = [0.0; 2];
         for i in 0..count {
             let height = f64::from(i) * spacing;
@@ -179,8 +184,8 @@ impl Field {
     fn chief_slope(&self, height: f64, expected: Option<f64>) -> Option<f64> {
         let in_stop =
             |slope: f64| self.to_stop.trace(self.ray(height, slope)).map_or(f64::NAN, |ray| ray.origin[1]);
-        // The stop's centre lies, for most beams, between two rays of a scan near the expected slope, or of a coarse
-        // scan. The near scan mostly contains the whole of the other beams.
+        // For most beams, the centre of the stop lies between two rays of a scan near the expected slope, or of a
+        // coarse scan. For most other beams, the scan near the expected slope contains the whole beam.
         let close = expected.map(|slope| (self.part_about(height, slope), 1));
         let mut whole = None;
         for (first, each) in close.into_iter().chain([(COARSE / 2, COARSE)]) {
@@ -203,7 +208,7 @@ impl Field {
         if below * above < 0.0 {
             return Some(root(low, high, in_stop));
         }
-        // The centre lies within a step of the beam's end, or beyond it.
+        // The centre of the stop lies within a step of one end of the beam, or beyond that end.
         let (end, outward, other) =
             if below.abs() < above.abs() { (low, -1.0, above) } else { (high, 1.0, below) };
         let edge = self.to_edge(height, end, outward);
@@ -226,8 +231,8 @@ impl Field {
         }
     }
 
-    /// Returns the full field angle of film of this diagonal by the real chief ray of its corner, radians; `None` if
-    /// the corner is dark.
+    /// Returns the full field angle, radians, of a film with this diagonal, from the real chief ray of the film's
+    /// corner; `None` if the corner is dark.
     pub fn real(&self, diagonal: f64) -> Option<f64> {
         let [_, dy, dz] = self.chief_ray(diagonal / 2.0)?.direction;
         Some(2.0 * dy.abs().atan2(dz))
@@ -280,7 +285,7 @@ mod tests {
 
     #[test]
     fn the_real_fields_are_those_of_the_designs() {
-        // Smith's captions: half field 22 degrees for the double Gauss, 38 for the wide angle.
+        // Smith's captions: half field 22 degrees for the double Gauss, 38 for the wide angle, which is tested at 36.
         let degrees = |name: &str, half: f64| {
             let (_, field, f) = field(name);
             let height = f * half.to_radians().tan();
@@ -297,7 +302,7 @@ mod tests {
         assert!(field.passes(8.0, low) && field.passes(8.0, high));
         let width = high - low;
         assert!(!field.passes(8.0, low - 1e-9 * width) && !field.passes(8.0, high + 1e-9 * width));
-        // Back from the scene through the front half, to the stop.
+        // The chief ray is traced back from the scene, through the front half of the lens, to the stop.
         let chief = field.chief_ray(8.0).expect("lit");
         let stop = lens.stop_index().expect("a stop");
         let front = Lens { surfaces: lens.surfaces[..=stop].to_vec(), ..lens.clone() };

@@ -1,39 +1,39 @@
-//! The image's scale over the film: converts an error of a ray in the scene to a distance on the film.
+//! The scale of the image over the film, which converts the error of a ray in the scene to a distance on the film.
 //!
-//! Only near the axis is that distance the angle times the focal length. Toward the corner of a wide lens the
-//! image grows by 1/cos² of the field angle and more; in a fisheye it shrinks. The scale is therefore measured,
-//! meridional and sagittal separately: by the turn of the chief ray as the film point moves away from the axis
-//! and around it.
+//! Only near the axis is this distance the angle of the error times the focal length. Toward the corner of the film,
+//! the scale of a wide-angle lens grows by 1/cos² of the field angle and more; the scale of a fisheye shrinks. The
+//! scale is therefore measured by the turn of the chief ray: the meridional scale as the film point moves away from the
+//! axis, the sagittal scale as the film point moves around the axis.
 
 use super::field::Field;
 use realistic_base::numeric::dot;
 use realistic_optics::lens::{Lens, Ray};
 
-/// The scale of the image by the distance from the axis, for one film and one plane in focus.
+/// The scale of the image as a function of the distance from the axis, for one film and one plane in focus.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImageScale {
     /// z of the plane in focus, lens space, mm; may be infinite.
     in_focus: f64,
     /// Step between two entries, mm.
     spacing: f64,
-    /// Scale in mm on the film per rad in the scene, away from the axis and around it.
+    /// Scales, mm on the film per rad in the scene, in the direction away from the axis and in the direction around it.
     scales: Vec<[f64; 2]>,
 }
 
-/// Number of entries from the axis to the reach.
+/// Number of entries from the axis to the largest distance.
 const ENTRIES: u32 = 17;
 /// Rotation about the axis that measures the sagittal scale, rad.
 const TURN: f64 = 1e-3;
 
 impl ImageScale {
-    /// Measures the scale for film at `film` (z in lens space, mm, behind the lens) with points up to `reach` mm
-    /// from the axis, and a plane in focus at `in_focus` (z in lens space, mm; infinite for a distant object).
-    /// Beyond the lit radius the scale stays constant. `None` if the film is dark on the axis.
+    /// Measures the scale for a film at `film` (z in lens space, mm, behind the lens) with points up to `reach` mm from
+    /// the axis, and a plane in focus at `in_focus` (z in lens space, mm; infinite for a distant object). Beyond the
+    /// lit radius the scale stays constant. `None` if the film is dark on the axis.
     pub fn new(lens: &Lens, film: f64, reach: f64, in_focus: f64) -> Option<Self> {
         let spacing = reach / f64::from(ENTRIES - 1);
         let chief = Field::new(lens, film).chief_rays(spacing, ENTRIES);
         let seen = |exact: &Ray, other: &Ray| length(offset(exact, other, in_focus));
-        // Halfway between entries; beyond the axis the scale is symmetric.
+        // The meridional scales halfway between entries. On both sides of the axis the scale is the same.
         let between: Vec<f64> = chief.windows(2).map(|pair| spacing / seen(&pair[0].1, &pair[1].1)).collect();
         let (first, last) = (*between.first()?, *between.last()?);
         let scales = chief.iter().enumerate().map(|(i, (height, ray))| {
@@ -56,11 +56,11 @@ impl ImageScale {
         [0, 1].map(|i| a[i] + (at - below as f64) * (b[i] - a[i]))
     }
 
-    /// Returns the distance on the film, mm, by which a ray is off that leaves the lens as `other` instead of
-    /// `exact`: the distance between their intersections with the plane in focus (perpendicular to the exact
-    /// ray), scaled to the film. For a plane at infinity that is the angle between the two. Directions are unit
-    /// vectors; the origins may lie anywhere on their rays. A ray that leaves backward never meets the plane,
-    /// and its error is its angle.
+    /// Returns the error on the film, mm, of a ray that leaves the lens as `other` instead of `exact`. It is the
+    /// distance between the intersections of both rays with the plane in focus, measured perpendicular to the exact ray
+    /// and scaled to the film. For a plane at infinity, the angle between the rays takes the place of this distance.
+    /// Directions are unit vectors; the origins may lie anywhere on their rays. A ray that leaves backward never meets
+    /// the plane; its error is also computed from the angle.
     pub fn film_error(&self, film_point: [f64; 2], exact: &Ray, other: &Ray) -> f64 {
         let [x, y] = film_point;
         let radius = (x * x + y * y).sqrt();
@@ -72,8 +72,8 @@ impl ImageScale {
     }
 }
 
-/// Returns the offset of another ray from the exact one, perpendicular to it, in the plane z = `in_focus`, over
-/// the distance there: the tangent of an angle.
+/// Returns the offset of another ray from the exact ray in the plane z = `in_focus`, measured perpendicular to the
+/// exact ray and divided by the distance to the plane: the tangent of an angle.
 fn offset(exact: &Ray, other: &Ray, in_focus: f64) -> [f64; 3] {
     let difference = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|i| a[i] - b[i]);
     let across = |vector: [f64; 3], along: f64| [0, 1, 2].map(|i| vector[i] - along * exact.direction[i]);
@@ -115,7 +115,8 @@ mod tests {
     #[test]
     fn the_scale_on_the_axis_at_infinity_is_the_focal_length() {
         for name in catalogue::names() {
-            // The film is at the first-order focal point: a fast lens is sharpest a little in front of its focal point.
+            // The film is at the first-order focal point, because a fast lens is sharpest a little in front of its
+            // focal point.
             let (lens, _) = focused(name, f64::INFINITY);
             let optics = FirstOrder::of(&lens).expect("focal");
             let f = optics.focal_length;
@@ -172,7 +173,7 @@ mod tests {
                 let to = back(&other);
                 let met = (to[0] - from[0]).hypot(to[1] - from[1]);
                 let error = scale.film_error([0.0, height], &out, &other);
-                // The image point is blurred: the ray meets the film elsewhere in its spot.
+                // The image point is blurred, so the ray meets the film elsewhere in the blur spot.
                 assert!((error / met - 1.0).abs() < 0.1, "{name}: {error} is not {met}");
             }
         }
@@ -185,7 +186,8 @@ mod tests {
         let out = Field::new(&lens, film).chief_ray(10.0).expect("lit");
         let along = Ray { origin: [0, 1, 2].map(|i| out.origin[i] - 8.0 * out.direction[i]), ..out };
         assert!(scale.film_error([0.0, 10.0], &out, &along) < 1e-12);
-        // Both meet in the plane in focus: no error, although neither point nor direction agree.
+        // Both rays meet in the plane in focus, so there is no error, although neither their origins nor their
+        // directions agree.
         let t = (film + 700.0 - out.origin[2]) / out.direction[2];
         let met = [0, 1, 2].map(|i| out.origin[i] + t * out.direction[i]);
         let origin = [out.origin[0] + 1.0, out.origin[1] - 2.0, out.origin[2] + 1.0];

@@ -1,20 +1,20 @@
-//! Many rays through a lens at once: the fast kernel, and polynomials fitted to its rays.
+//! Traces of many rays through a lens at once: by the fast kernel, and by polynomials fitted to rays.
 //!
 //! The kernel traces exactly and gives the same bits for one ray and for a million, with every instruction set. Fields
-//! of view and the scale of the image, which take many rays, are measured with it.
+//! of view and the scale of the image, which require many rays, are measured with the kernel.
 //!
 //! | type | is |
 //! |---|---|
 //! | [`Kernel`](kernel::Kernel) | a lens compiled for one direction and one precision |
 //! | [`PlaneRays`](kernel::PlaneRays) | a caller's rays from a plane: points and slopes |
 //! | [`Optics`](kernel::Optics) | anything that rays in lanes go through, such as [`LensSteps`](kernel::LensSteps) |
-//! | [`Traced`](kernel::Traced), [`LensRays`](kernel::LensRays) | a ray behind the lens; many as columns |
+//! | [`Traced`](kernel::Traced), [`LensRays`](kernel::LensRays) | a ray behind the lens; many such rays, as columns |
 //! | [`Field`](field::Field) | the beam and the chief ray of a film point, and the field of view |
 //! | [`ImageScale`](image_scale::ImageScale) | millimetres on the film per radian in the scene |
 //! | [`Polynomial`](polynomial::Polynomial) | a lens fitted by polynomials |
-//! | [`PolynomialLens`](polynomial::PolynomialLens) | the same, traced as a kernel traces |
+//! | [`PolynomialLens`](polynomial::PolynomialLens) | such polynomials, which trace rays as a kernel does |
 //!
-//! It depends on `base`, `simd` and `optics`; `light` and `camera` depend on it.
+//! This crate depends on `base`, `simd` and `optics`; `light` and `camera` depend on this crate.
 //!
 //! ```
 //! use realistic_optics::{lens::Lens, prescription::catalogue, trace::Direction};
@@ -30,7 +30,7 @@
 //!
 //! Points are in lens space, millimetres; slopes are dx/dz and dy/dz.
 //!
-//! Only the face of the crate `realistic` is promised; this one may change in any version.
+//! Only the public interface of the crate `realistic` is stable; the interface of this crate may change in any version.
 
 #![deny(unsafe_code)]
 

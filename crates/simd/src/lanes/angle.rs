@@ -1,31 +1,33 @@
-//! Cosine and sine in lanes of either precision, by series, so that a single angle has the same bits as in a batch.
+//! Cosine and sine in lanes of either precision, computed by series. The results for a single angle thus have the same
+//! bits as in a batch.
 
 use std::f64::consts::FRAC_2_PI;
 
 use super::{Cpu, Lanes, Scalar};
 use realistic_base::numeric::Real;
 
-/// Returns cosine and sine of angles, radians, of any size: within 2 units in the last place of 1 up to 1000 turns, and
-/// always a point of the unit circle.
+/// Returns cosine and sine of angles, radians, of any size. The errors are at most 2 units in the last place of 1 for
+/// angles up to 1000 turns; for every angle the result is a point of the unit circle.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub fn cos_sin<L: Lanes>(cpu: Cpu<L>, angle: L) -> [L; 2] {
     let (zero, one, four) = (number(cpu, 0.0), number(cpu, 1.0), number(cpu, 4.0));
     let quarters = angle * number(cpu, FRAC_2_PI);
     let half = L::select(zero.less_equal(quarters), number(cpu, 0.5), number(cpu, -0.5));
     let nearest = (quarters + half).trunc();
-    // The rest in eighths of a turn, with 4/π in two parts.
+    // The remaining angle in eighths of a turn. The factor 4/π is the sum of two parts, `high` and `low`.
     let high = L::Scalar::from_f64(2.0 * FRAC_2_PI);
     let low = L::Scalar::from_f64(2.0 * FRAC_2_PI - high.to_f64());
     let rest = angle.mul_sub(L::splat(cpu, high), nearest + nearest);
     let rest = angle.mul_add(L::splat(cpu, low), rest);
-    // This order keeps NaN.
+    // This order of the operands preserves NaN.
     let rest = one.smaller((zero - one).larger(rest));
     let turns = (nearest * number(cpu, 0.25)).trunc();
     let nearest = turns.neg_mul_add(four, nearest);
     turned(cpu, L::select(zero.less_equal(nearest), nearest, nearest + four), rest)
 }
 
-/// Returns cosine and sine of `nearest` quarters of a turn, 0 to 4, plus `rest` eighths, in [-1, 1].
+/// Returns cosine and sine of an angle: the sum of `nearest` quarters of a turn, an integer from 0 to 4, and `rest`
+/// eighths of a turn, in [-1, 1].
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub fn turned<L: Lanes>(cpu: Cpu<L>, nearest: L, rest: L) -> [L; 2] {
     let [cos, sin] = cos_sin_over(cpu, rest * rest);
@@ -52,7 +54,7 @@ pub fn cos_sin_over<L: Lanes>(cpu: Cpu<L>, z: L) -> [L; 2] {
     [series(cpu, z, square, L::Scalar::COS), series(cpu, z, square, L::Scalar::SIN)]
 }
 
-/// Evaluates a polynomial, even and odd powers side by side.
+/// Evaluates a polynomial; even and odd powers are summed side by side.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn series<L: Lanes>(cpu: Cpu<L>, z: L, square: L, coefficients: &[L::Scalar]) -> L {
     let mut k = coefficients.len() - 2;
@@ -86,7 +88,7 @@ mod tests {
         for i in -30_000_i16..=30_000 {
             check(f32::from(i) / 4000.0, 2.0 * f64::from(f32::EPSILON));
         }
-        // Near a zero of sine or cosine the last place is as small as the value: the error stays relative.
+        // Near a zero of sine or cosine, where the last place is as small as the value, the relative error stays small.
         for quarters in -8_i8..=8 {
             check(f32::from(quarters) * std::f32::consts::FRAC_PI_2, 4.0 * f64::from(f32::EPSILON));
         }

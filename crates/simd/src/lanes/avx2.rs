@@ -1,4 +1,5 @@
-//! Registers of 128 and 256 bits, for processors with AVX2 and FMA, each with a table of its intrinsics.
+//! Vectors in registers of 128 and 256 bits, for processors with AVX2 and FMA. Each vector type has a table of its
+//! intrinsics.
 
 use std::{
     arch::x86_64::*,
@@ -10,8 +11,8 @@ use super::{
     methods, register, single_precision, store_bits,
 };
 
-/// Masks that are registers, with all bits of a lane set where it is true, and the absolute value, which uses such
-/// bits.
+/// Implements masks that are registers, in which all bits of a true lane are set, and the absolute value, which uses a
+/// mask of the sign bits.
 macro_rules! register_masks {
     ($width:literal in $mask:ident: and $and:ident, select $blend:ident, bits $movemask:ident;
      abs $andnot:ident($sign:expr);) => {
@@ -122,7 +123,7 @@ impl Lanes for F64x4 {
     double_precision! { whole _mm256_cvttpd_epi32; F32x4 widened _mm256_cvtps_pd, rounded _mm256_cvtpd_ps }
 }
 
-/// Eight set lanes of a mask, then eight clear ones: from index 8 - n on, the first n are set.
+/// Eight set lanes of a mask, then eight clear lanes; of the lanes from index 8 - n on, the first n are set.
 const ONES_AND_ZEROS: [i32; 16] = [-1, -1, -1, -1, -1, -1, -1, -1, 0, 0, 0, 0, 0, 0, 0, 0];
 
 /// Returns the mask of the first `n` lanes, n at most 4.
@@ -131,7 +132,8 @@ const ONES_AND_ZEROS: [i32; 16] = [-1, -1, -1, -1, -1, -1, -1, -1, 0, 0, 0, 0, 0
 /// The processor must have AVX2.
 #[inline(always)]
 unsafe fn first_of_4(n: usize) -> __m128i {
-    // SAFETY: the caller ensures the instruction, and eight numbers follow any index up to 8.
+    // SAFETY: the caller ensures that the processor has AVX2; from any index up to 8 on, the table has at least eight
+    // numbers.
     unsafe { _mm_loadu_si128(ONES_AND_ZEROS[8 - n..].as_ptr().cast()) }
 }
 
@@ -151,7 +153,7 @@ unsafe fn first_of_8(n: usize) -> __m256i {
 /// The processor must have AVX2.
 #[inline(always)]
 unsafe fn first_of_4_doubles(n: usize) -> __m256i {
-    // SAFETY: the caller ensures it.
+    // SAFETY: the caller ensures these conditions.
     unsafe { first_of_8(2 * n) }
 }
 
@@ -161,7 +163,7 @@ unsafe fn first_of_4_doubles(n: usize) -> __m256i {
 /// The processor must have AVX2.
 #[inline(always)]
 unsafe fn up_to_of_4<const STEP: usize>(indices: __m128i, last: usize) -> __m128i {
-    // SAFETY: the caller ensures the instructions.
+    // SAFETY: the caller ensures that the processor has AVX2.
     unsafe {
         let indices = if STEP == 2 { _mm_add_epi32(indices, indices) } else { indices };
         _mm_min_epu32(indices, _mm_set1_epi32(last as i32))
@@ -174,15 +176,15 @@ unsafe fn up_to_of_4<const STEP: usize>(indices: __m128i, last: usize) -> __m128
 /// The processor must have AVX2.
 #[inline(always)]
 pub(super) unsafe fn up_to_of_8<const STEP: usize>(indices: __m256i, last: usize) -> __m256i {
-    // SAFETY: the caller ensures the instructions.
+    // SAFETY: the caller ensures that the processor has AVX2.
     unsafe {
         let indices = if STEP == 2 { _mm256_add_epi32(indices, indices) } else { indices };
         _mm256_min_epu32(indices, _mm256_set1_epi32(last as i32))
     }
 }
 
-/// Returns two pairs at one of eight indices. The index is read back from memory: the compiler would otherwise extract
-/// it from its register, which occupies the ports for shuffles.
+/// Returns the two pairs that start at one of eight indices. The index is read back from memory: the compiler would
+/// otherwise extract it from its register, which would occupy the execution ports for shuffles.
 ///
 /// # Safety
 /// Two pairs must start at the index.
@@ -195,13 +197,13 @@ unsafe fn pairs_at(table: *const [f32; 2], indices: &[u32; 8], lane: usize) -> _
     }
 }
 
-/// Returns two pairs at each of four indices, transposed.
+/// Returns the two pairs that start at each of four indices, transposed into four vectors.
 ///
 /// # Safety
 /// The processor must have AVX2, and two pairs must start at each index.
 #[inline(always)]
 unsafe fn pairs_of_4(table: *const [f32; 2], indices: __m128i) -> [__m128; 4] {
-    // SAFETY: the caller ensures it.
+    // SAFETY: the caller ensures these conditions.
     unsafe {
         let a = _mm_extract_epi32::<0>(indices) as u32 as usize;
         let b = _mm_extract_epi32::<1>(indices) as u32 as usize;
@@ -220,17 +222,18 @@ unsafe fn pairs_of_4(table: *const [f32; 2], indices: __m128i) -> [__m128; 4] {
     }
 }
 
-/// Returns two pairs at each of eight indices, transposed.
+/// Returns the two pairs that start at each of eight indices, transposed into four vectors.
 ///
 /// # Safety
 /// The processor must have AVX2, and two pairs must start at each index.
 #[inline(always)]
 pub(super) unsafe fn pairs_of_8(table: *const [f32; 2], indices: __m256i) -> [__m256; 4] {
-    // SAFETY: the caller ensures it.
+    // SAFETY: the caller ensures these conditions.
     unsafe {
         let mut stored = [0; 8];
         _mm256_storeu_si256(stored.as_mut_ptr().cast(), indices);
-        // Pairs lanes that are four apart, so that transposing within 128 bits leaves them in order.
+        // Puts the pairs of two lanes that are four apart into one register, so that a transposition within each
+        // 128-bit half leaves the lanes in order.
         macro_rules! rows {
             ($lane:literal) => {
                 _mm256_insertf128_ps::<1>(

@@ -1,10 +1,10 @@
-//! Registers of 512 bits, for processors with AVX-512F.
+//! Vectors in registers of 512 bits, for processors with AVX-512F.
 //!
-//! In double precision the divider takes longer over a pair of square roots than the multipliers over all the rest,
-//! so that one root of each pair is computed by multiplications: r ≈ 1/√a from the processor's table, two coupled
-//! steps of Newton's iteration on √a and 1/(2√a), and a last step from the exact residual a - g², which rounds
-//! correctly (P. Markstein, *IA-64 and Elementary Functions*, 2000, ch. 9). In single precision a root takes the
-//! divider half as long, and this does not pay.
+//! In double precision, the divider takes longer for a pair of square roots than the multipliers take for all other
+//! operations. One root of each pair is therefore computed by multiplications. They start from y ≈ 1/√a, which the
+//! processor's table gives. Two coupled steps of Newton's iteration improve g ≈ √a and h ≈ 1/(2√a). A last step, from
+//! the exact residual a - g², gives the correctly rounded root (P. Markstein, *IA-64 and Elementary Functions*, 2000,
+//! ch. 9). In single precision a root takes the divider half as long, so this method would not be faster.
 
 use std::{
     arch::x86_64::*,
@@ -19,7 +19,7 @@ use super::{
     methods, register, single_precision,
 };
 
-/// Masks that are integers with one bit per lane.
+/// Implements masks that are integers with one bit per lane, and the absolute value.
 macro_rules! bit_masks {
     ($mask:ident: select $blend:ident, or_zero $move:ident; abs $abs:ident;) => {
         type Mask = $mask;
@@ -72,7 +72,7 @@ impl Lanes for F32x16 {
     #[inline(always)]
     fn store_single_where(self, mask: Self::Mask, to: &mut [f32]) {
         let room = if to.len() >= 16 { u16::MAX } else { !(u16::MAX << to.len()) };
-        // SAFETY: a vector exists only where a `Cpu` did; no number beyond the slice is written.
+        // SAFETY: a vector exists only if a `Cpu` existed; no number beyond the slice is written.
         unsafe { _mm512_mask_storeu_ps(to.as_mut_ptr(), mask & room, self.0) };
     }
 }
@@ -113,7 +113,7 @@ impl Lanes for F64x8 {
     #[inline(always)]
     fn store_single_where(self, mask: Self::Mask, to: &mut [f32]) {
         let room = if to.len() >= 8 { u8::MAX } else { !(u8::MAX << to.len()) };
-        // SAFETY: a vector exists only where a `Cpu` did; no number beyond the slice is written.
+        // SAFETY: a vector exists only if a `Cpu` existed; no number beyond the slice is written.
         unsafe {
             let single = _mm512_castps256_ps512(_mm512_cvtpd_ps(self.0));
             _mm512_mask_storeu_ps(to.as_mut_ptr(), (mask & room).into(), single);
@@ -127,20 +127,20 @@ impl Lanes for F64x8 {
 /// The processor must have AVX-512F.
 #[inline(always)]
 unsafe fn up_to_of_16<const STEP: usize>(indices: __m512i, last: usize) -> __m512i {
-    // SAFETY: the caller ensures the instructions.
+    // SAFETY: the caller ensures that the processor has AVX-512F.
     unsafe {
         let indices = if STEP == 2 { _mm512_add_epi32(indices, indices) } else { indices };
         _mm512_min_epu32(indices, _mm512_set1_epi32(last as i32))
     }
 }
 
-/// Returns two pairs at each of sixteen indices, transposed.
+/// Returns the two pairs that start at each of sixteen indices, transposed into four vectors.
 ///
 /// # Safety
 /// The processor must have AVX-512F, and two pairs must start at each index.
 #[inline(always)]
 unsafe fn pairs_of_16(table: *const [f32; 2], indices: __m512i) -> [__m512; 4] {
-    // SAFETY: the caller ensures it; a processor with AVX-512 has AVX2.
+    // SAFETY: the caller ensures these conditions; a processor with AVX-512 has AVX2.
     unsafe {
         let [low, high] = [_mm512_castsi512_si256(indices), _mm512_extracti64x4_epi64::<1>(indices)];
         let [a, b, c, d] = pairs_of_8(table, low);
@@ -155,7 +155,7 @@ unsafe fn pairs_of_16(table: *const [f32; 2], indices: __m512i) -> [__m512; 4] {
 /// The processor must have AVX-512F.
 #[inline(always)]
 unsafe fn joined(low: __m256, high: __m256) -> __m512 {
-    // SAFETY: the caller ensures the instruction.
+    // SAFETY: the caller ensures that the processor has the instruction.
     unsafe {
         let low = _mm512_castps_pd(_mm512_castps256_ps512(low));
         _mm512_castpd_ps(_mm512_insertf64x4::<1>(low, _mm256_castps_pd(high)))
@@ -163,11 +163,11 @@ unsafe fn joined(low: __m256, high: __m256) -> __m512 {
 }
 
 impl F64x8 {
-    /// Returns the square root, computed by multiplications; NaN at 0 and infinity. Correctly rounded for numbers
-    /// above [`super::Scalar::NO_SQUARE`] up to 2^500.
+    /// Returns the square root, computed by multiplications; NaN for 0 and infinity. The root is correctly rounded for
+    /// numbers above [`super::Scalar::NO_SQUARE`] and up to 2^500.
     #[inline(always)]
     fn computed_sqrt(self) -> Self {
-        // SAFETY: a vector exists only where a `Cpu` did.
+        // SAFETY: a vector exists only if a `Cpu` existed.
         let (y, half) = unsafe { (Self(_mm512_rsqrt14_pd(self.0)), Self(_mm512_set1_pd(0.5))) };
         let mut g = self * y;
         let mut h = y * half;

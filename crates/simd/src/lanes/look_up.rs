@@ -2,15 +2,16 @@
 
 /// A vector type with table look-ups, one index per lane.
 pub trait LookUp: Copy {
-    /// An index for each lane, an integer.
+    /// Type of the indices: an integer for each lane.
     type Places: Copy;
 
-    /// Looks up two consecutive pairs of a table for each lane, `K` times, and returns their numbers as vectors. The
-    /// first pair has the index `STEP` (1 or 2) times `at` plus each of the numbers of `further`; an index beyond the
-    /// table gives arbitrary pairs. Uses loads and shuffles, because gather instructions are slow on some processors.
+    /// Looks up two consecutive pairs of a table for each lane, `K` times, and returns the four numbers of both pairs
+    /// as vectors. In look-up k, the index of the first pair is `STEP` (1 or 2) times `at` plus `further[k]`; an index
+    /// beyond the table gives arbitrary pairs. The look-up uses loads and shuffles, because gather instructions are
+    /// slow on some processors.
     ///
     /// # Panics
-    /// If the table is too short to have the pairs for `at` = 0.
+    /// If the table is too short to contain the pairs for `at` = 0.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn look_up<const K: usize, const STEP: usize>(
         table: &[[f32; 2]],
@@ -18,7 +19,8 @@ pub trait LookUp: Copy {
         further: [usize; K],
     ) -> [[Self; 4]; K] {
         let indices = Self::up_to::<STEP>(at, last_index(table, further));
-        // SAFETY: from each index up to the last one, plus `further`, the table has two pairs.
+        // SAFETY: `last_index` ensures that two pairs of the table start at each of the indices plus each number of
+        // `further`.
         let mut found = [unsafe { Self::pairs(table.as_ptr().add(further[0]), indices) }; K];
         let mut k = 1;
         while k < K {
@@ -35,19 +37,19 @@ pub trait LookUp: Copy {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn look_up_indexed(table: &[Indexed], at: Self::Places) -> (Self::Places, [Self; 3]) {
         assert!(!table.is_empty(), "an empty table to look something up in");
-        // SAFETY: an entry has the size of two pairs, so that two pairs start at twice the index of each entry.
+        // SAFETY: an entry has the size of two pairs, so the entry with index i starts at the pair with index 2 i.
         unsafe { Self::indexed(table.as_ptr(), Self::up_to::<2>(at, 2 * (table.len() - 1))) }
     }
-    /// Adds indices.
+    /// Adds the indices of each lane.
     fn add_places(a: Self::Places, b: Self::Places) -> Self::Places;
     /// Returns `STEP` (1 or 2) times the indices, but at most `last`.
     fn up_to<const STEP: usize>(indices: Self::Places, last: usize) -> Self::Places;
-    /// Returns two pairs of a table at each index, as vectors of their numbers.
+    /// Returns the two pairs of a table that start at each index, as four vectors of their numbers.
     ///
     /// # Safety
     /// Two pairs must start at each index.
     unsafe fn pairs(table: *const [f32; 2], indices: Self::Places) -> [Self; 4];
-    /// Returns the entry at half of each index.
+    /// Returns the entries whose indices are half of the given ones.
     ///
     /// # Safety
     /// The entries must exist, and the indices must be even.
@@ -64,7 +66,7 @@ pub struct Indexed {
     pub numbers: [f32; 3],
 }
 
-/// Returns the last index at which a look-up finds all its pairs.
+/// Returns the largest index at which a look-up finds all of its pairs.
 #[inline(always)]
 fn last_index<const K: usize>(table: &[[f32; 2]], further: [usize; K]) -> usize {
     let (mut most, mut k) = (0, 0);
@@ -85,7 +87,7 @@ macro_rules! lookup_methods {
 
         #[inline(always)]
         fn add_places(a: $type, b: $type) -> $type {
-            // SAFETY: indices come from a vector, which exists only where a `Cpu` did.
+            // SAFETY: indices come from a vector, which exists only if a `Cpu` existed.
             unsafe { $add(a, b) }
         }
         #[inline(always)]
@@ -95,7 +97,7 @@ macro_rules! lookup_methods {
         }
         #[inline(always)]
         unsafe fn pairs(table: *const [f32; 2], indices: $type) -> [Self; 4] {
-            // SAFETY: indices come from a vector, which exists only where a `Cpu` did; the caller ensures the rest.
+            // SAFETY: indices come from a vector, which exists only if a `Cpu` existed; the caller ensures the rest.
             unsafe {
                 let [a, b, c, d] = $pairs_of(table, indices);
                 [

@@ -1,7 +1,7 @@
-//! The vector that the algorithm is written over.
+//! Vectors of numbers: the trait [`Lanes`], which algorithms are written over, and its implementations.
 //!
-//! Every operation is correctly rounded (IEEE 754), fused multiply-add included, so an algorithm
-//! over [`Lanes`] gives the same bits in every instance of one precision.
+//! Every operation is correctly rounded (IEEE 754), fused multiply-add included, so an algorithm over [`Lanes`] gives
+//! the same bits in all instances of the same precision.
 
 mod angle;
 #[cfg(target_arch = "x86_64")]
@@ -23,7 +23,7 @@ pub use look_up::{Indexed, LookUp};
 pub use portable::{OneLane, Portable};
 pub use scalar::Scalar;
 
-/// The proof that this processor has the instructions of `L`, without which no vector is made.
+/// A proof that this processor has the instructions of `L`; making a vector requires it.
 pub struct Cpu<L>(PhantomData<fn() -> L>);
 
 impl<L> Clone for Cpu<L> {
@@ -38,8 +38,8 @@ impl<L> Cpu<L> {
     /// States that the processor has the instructions.
     ///
     /// # Safety
-    /// The processor must have them. For speed, but not for safety, the code that uses the vectors should be
-    /// inlined into a function compiled for those instructions.
+    /// The processor must have the instructions. For speed, but not for safety, the code that uses the vectors should
+    /// be inlined into a function compiled for those instructions.
     #[inline(always)]
     pub unsafe fn assume() -> Self {
         Self(PhantomData)
@@ -50,63 +50,64 @@ impl<L> Cpu<L> {
 pub trait Lanes:
     LookUp + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
-    /// Type of the numbers.
+    /// Type of the number in a lane.
     type Scalar: Scalar;
     /// A truth value for each lane.
     type Mask: Copy;
-    /// The vector of as many numbers in single precision.
+    /// The vector type with the same number of lanes in single precision.
     type Single: Lanes<Scalar = f32>;
     /// Number of lanes.
     const WIDTH: usize;
-    /// Whether a single vector, too, goes through the steps of a lens in a function that all callers share. False for
-    /// the vectors of single rays, which would take 4 to 20 % longer.
+    /// Whether a vector that is traced alone also passes the steps of a lens in a function that all callers share.
+    /// False for the vector types that trace single rays: with a shared function they would take 4 to 20 % longer.
     const SHARED: bool = true;
-    /// Whether rays are prepared for several vectors at once. False for 512-bit vectors, each of which keeps the
-    /// processor busy while it prepares the next one. Narrower vectors take 10 to 17 % longer one after another.
+    /// Whether rays are prepared for several vectors at once. False for 512-bit vectors: the work on one vector keeps
+    /// the processor busy while the next vector is prepared. Narrower vectors take 10 to 17 % longer if they are
+    /// prepared one after another.
     const PREPARED_TOGETHER: bool = true;
 
     /// Returns a vector with the same number in every lane.
     fn splat(cpu: Cpu<Self>, number: Self::Scalar) -> Self;
-    /// Loads the first `WIDTH` numbers, with zeros for missing ones.
+    /// Loads the first `WIDTH` numbers, with zeros in place of missing numbers.
     fn load(cpu: Cpu<Self>, from: &[Self::Scalar]) -> Self;
-    /// Writes the first lanes, as far as `to` has room.
+    /// Writes as many lanes, from the first on, as `to` has room for.
     fn store(self, to: &mut [Self::Scalar]);
-    /// `self * b + c`, rounded once.
+    /// Returns `self * b + c`, rounded once.
     fn mul_add(self, b: Self, c: Self) -> Self;
-    /// `self * b - c`, rounded once.
+    /// Returns `self * b - c`, rounded once.
     fn mul_sub(self, b: Self, c: Self) -> Self;
-    /// `c - self * b`, rounded once.
+    /// Returns `c - self * b`, rounded once.
     fn neg_mul_add(self, b: Self, c: Self) -> Self;
-    /// Does work in a separate function, compiled once for these vectors' instructions and shared by all callers.
-    /// Inlined if the vectors have no instructions of their own and are not [`Lanes::SHARED`].
+    /// Does work in a separate function that is compiled once for the instructions of this vector type and shared by
+    /// all callers. The work is inlined instead if the type needs no special instructions and is not [`Lanes::SHARED`].
     fn apart(cpu: Cpu<Self>, work: impl Compiled);
-    /// Returns the square roots of two vectors; NaN below 0. May return NaN for numbers at most [`Scalar::NO_SQUARE`]
-    /// above 0, for 0 and for infinity.
+    /// Returns the square roots of two vectors; NaN for negative numbers. May also return NaN for 0, for positive
+    /// numbers up to [`Scalar::NO_SQUARE`], and for infinity.
     #[inline(always)]
     fn sqrt_pair(a: Self, b: Self) -> [Self; 2] {
         [a.sqrt(), b.sqrt()]
     }
-    /// Returns the square root; NaN below 0.
+    /// Returns the square root; NaN for negative numbers.
     fn sqrt(self) -> Self;
     /// Returns the absolute value.
     fn abs(self) -> Self;
     /// Rounds toward 0 to an integer.
     fn trunc(self) -> Self;
-    /// The larger of the two; `b` where either is NaN.
+    /// Returns the larger of `self` and `b`; `b` where either is NaN.
     fn larger(self, b: Self) -> Self;
-    /// The smaller of the two; `b` where either is NaN.
+    /// Returns the smaller of `self` and `b`; `b` where either is NaN.
     fn smaller(self, b: Self) -> Self;
-    /// `self < b`, false for NaN.
+    /// Returns the mask of `self < b`, false where either is NaN.
     fn less(self, b: Self) -> Self::Mask;
-    /// `self <= b`, false for NaN.
+    /// Returns the mask of `self <= b`, false where either is NaN.
     fn less_equal(self, b: Self) -> Self::Mask;
-    /// Returns the lanes that are true in both masks.
+    /// Returns a mask of the lanes that are true in both masks.
     fn both(a: Self::Mask, b: Self::Mask) -> Self::Mask;
-    /// `yes` where the mask is true, else `no`.
+    /// Returns `yes` where the mask is true, else `no`.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
-    /// The number where the mask is true, else +0.
+    /// Returns `self` where the mask is true, else +0.
     fn or_zero(self, mask: Self::Mask) -> Self;
-    /// The lanes where the mask is true as bits, the first lowest.
+    /// Returns the mask as bits, one per lane; the first lane is the lowest bit.
     fn bits(mask: Self::Mask) -> u32;
 
     /// Returns the proof for [`Lanes::Single`], whose instructions are among those of this vector.
@@ -115,14 +116,14 @@ pub trait Lanes:
     fn single(self) -> Self::Single;
     /// Widens from single precision.
     fn widened(single: Self::Single) -> Self;
-    /// [`Lanes::load`] of single-precision numbers.
+    /// Loads single-precision numbers as [`Lanes::load`] does.
     fn load_single(cpu: Cpu<Self>, from: &[f32]) -> Self;
-    /// [`Lanes::store`] rounded to single precision.
+    /// Rounds the lanes to single precision and writes them as [`Lanes::store`] does.
     fn store_single(self, to: &mut [f32]);
-    /// [`Lanes::store_single`] of the lanes where the mask is true.
+    /// Writes only the lanes where the mask is true, as [`Lanes::store_single`] does.
     fn store_single_where(self, mask: Self::Mask, to: &mut [f32]);
 
-    /// Returns the integer parts, as indices of a table; arbitrary for numbers outside [0, 2^31).
+    /// Returns the integer parts as indices of a table; arbitrary indices for numbers outside [0, 2^31).
     fn whole(self) -> Self::Places;
 
     /// Whether the mask is true in every lane.
@@ -132,7 +133,7 @@ pub trait Lanes:
     }
 }
 
-/// Writes the lanes of `bits` that `to` has room for, one by one.
+/// Writes the lanes whose bit in `bits` is set, one by one, as far as `to` has room for them.
 #[inline(always)]
 fn store_bits(lanes: &[f32], mut bits: u32, to: &mut [f32]) {
     while bits != 0 {
@@ -144,20 +145,21 @@ fn store_bits(lanes: &[f32], mut bits: u32, to: &mut [f32]) {
     }
 }
 
-/// Methods of one or two intrinsics each, one per line; only intrinsics that are safe on any processor that has them.
+/// Defines methods of one or two intrinsics, one method per line. The intrinsics must be safe on any processor that has
+/// them.
 #[cfg(target_arch = "x86_64")]
 macro_rules! methods {
     ($(fn $method:ident $(<const $number:ident: usize>)? ($($parameters:tt)*) -> $result:ty = $value:expr;)*) => {$(
         #[inline(always)]
         fn $method$(<const $number: usize>)?($($parameters)*) -> $result {
-            // SAFETY: `Cpu` proves that the instructions are there; a vector, and a mask from comparing vectors,
-            // exists only where a `Cpu` did.
+            // SAFETY: `Cpu` proves that the processor has the instructions. A vector, or a mask from a comparison of
+            // vectors, exists only if a `Cpu` existed.
             unsafe { $value }
         }
     )*};
 }
 
-/// A vector in one register, with its operators.
+/// Defines a vector type that is one register, with its operators.
 #[cfg(target_arch = "x86_64")]
 macro_rules! register {
     ($name:ident, $width:literal lanes of $scalar:ident in $register:ident:
@@ -174,8 +176,9 @@ macro_rules! register {
     };
 }
 
-/// The methods common to all families of registers, over the names of the intrinsics. The expressions after `else`
-/// handle fewer numbers than there are lanes: they access no others, and load zeros instead.
+/// Implements the methods that all families of registers have in common, given the names of the intrinsics. The
+/// expressions after `else` handle slices that have fewer numbers than the vector has lanes: they access no number
+/// beyond the slice, and load zeros in place of missing numbers.
 #[cfg(target_arch = "x86_64")]
 macro_rules! intrinsics {
     ($width:literal lanes of $scalar:ident: splat $set:ident;
@@ -201,7 +204,7 @@ macro_rules! intrinsics {
         #[inline(always)]
         fn load(_: Cpu<Self>, $from: &[$scalar]) -> Self {
             if $from.len() >= $width {
-                // SAFETY: `Cpu` proves that the instruction is there; the slice is long enough and need not be
+                // SAFETY: `Cpu` proves that the processor has the instruction; the slice is long enough and need not be
                 // aligned.
                 return Self(unsafe { $load($from.as_ptr()) });
             }
@@ -212,7 +215,7 @@ macro_rules! intrinsics {
         fn store(self, $to: &mut [$scalar]) {
             let $lanes = self.0;
             if $to.len() >= $width {
-                // SAFETY: a vector exists only where a `Cpu` did; the slice is long enough.
+                // SAFETY: a vector exists only if a `Cpu` existed; the slice is long enough.
                 return unsafe { $store($to.as_mut_ptr(), $lanes) };
             }
             // SAFETY: as above; no number beyond the slice is written.
@@ -221,7 +224,7 @@ macro_rules! intrinsics {
     };
 }
 
-/// Conversion of single-precision numbers to and from single-precision vectors.
+/// Implements the conversion of single-precision numbers to and from single-precision vectors.
 #[cfg(target_arch = "x86_64")]
 macro_rules! single_precision {
     (whole $truncated:ident) => {
@@ -250,8 +253,8 @@ macro_rules! single_precision {
     };
 }
 
-/// Conversion of single-precision numbers to and from double-precision vectors, through `$single`, which is half as
-/// wide.
+/// Implements the conversion of single-precision numbers to and from double-precision vectors, through the vector type
+/// `$single`, whose register is half as wide.
 #[cfg(target_arch = "x86_64")]
 macro_rules! double_precision {
     (whole $truncated:ident; $single:ident widened $widened:ident, rounded $rounded:ident) => {
@@ -263,7 +266,8 @@ macro_rules! double_precision {
         }
         #[inline(always)]
         fn single_cpu(_: Cpu<Self>) -> Cpu<$single> {
-            // SAFETY: `Cpu` proves the instructions of this vector, which include those of the narrower one.
+            // SAFETY: `Cpu` proves that the processor has the instructions of this vector, which include those of the
+            // narrower vector.
             unsafe { Cpu::assume() }
         }
         #[inline(always)]
@@ -277,7 +281,7 @@ macro_rules! double_precision {
     };
 }
 
-/// [`Lanes::apart`] for the given instructions.
+/// Implements [`Lanes::apart`] for the given instructions.
 #[cfg(target_arch = "x86_64")]
 macro_rules! apart {
     ($features:literal) => {
@@ -288,7 +292,7 @@ macro_rules! apart {
             fn run(work: impl Compiled) {
                 work.run();
             }
-            // SAFETY: `Cpu` proves that the instructions are there.
+            // SAFETY: `Cpu` proves that the processor has the instructions.
             unsafe { run(work) };
         }
     };

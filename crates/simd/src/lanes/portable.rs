@@ -1,19 +1,19 @@
-//! Arrays of numbers: the instance for any processor, and with one lane the scalar one. Its fused multiply-adds are
-//! instructions if the caller is compiled for them, else function calls, with the same bits.
+//! Lanes in plain arrays, for any processor; with one lane, the scalar instance. A fused multiply-add is an instruction
+//! if the caller is compiled for it, else a function call with the same bits as result.
 
 use std::ops::{Add, Div, Mul, Sub};
 
 use super::{Compiled, Cpu, Indexed, Lanes, LookUp, Scalar, store_bits};
 
-/// `N` lanes in an array. `SMALL` marks code that should be small and compile quickly rather than run fast.
+/// A vector of `N` lanes in an array. `SMALL` marks code that should be small and compile quickly rather than run fast.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Portable<S, const N: usize, const SMALL: bool = false>(pub [S; N]);
 
-/// One lane.
+/// A vector of one lane.
 pub type OneLane<S> = Portable<S, 1, false>;
 
 impl<S: Scalar, const N: usize, const SMALL: bool> Portable<S, N, SMALL> {
-    /// Returns the proof that the processor has the instructions of this vector: every processor does.
+    /// Returns the proof that the processor has the instructions of this vector; every processor has them.
     #[inline(always)]
     pub fn cpu() -> Cpu<Self> {
         // SAFETY: only instructions that the library is compiled for are used.
@@ -21,12 +21,12 @@ impl<S: Scalar, const N: usize, const SMALL: bool> Portable<S, N, SMALL> {
     }
 }
 
-/// Does the same work for each lane. A loop, not a closure: a closure that is not inlined would be compiled for
-/// another processor than its enclosing function.
+/// Does the same work for each lane. The macro expands to a loop rather than to calls of a closure: a closure that is
+/// not inlined would be compiled without the instructions that its enclosing function may use.
 ///
-/// One lane in small code has no loop: a lens makes thousands of loops of one iteration, and the compiler takes
-/// seconds to remove them from a function. Other code keeps them: without them the compiler combines pairs of numbers
-/// into vectors, which makes a single ray a fifth slower.
+/// Small code with one lane has no loop: a lens would give thousands of loops of one iteration, and the compiler would
+/// take seconds to remove them from a function. Other code keeps the loops: without them the compiler combines pairs of
+/// numbers into vectors, which makes a single ray a fifth slower.
 macro_rules! each_lane {
     ($i:ident => $work:expr) => {
         if N == 1 && SMALL {
@@ -51,7 +51,7 @@ macro_rules! lanes {
     }};
 }
 
-/// Methods that do the same in each lane, one per line.
+/// Defines methods that do the same in each lane, one method per line.
 macro_rules! methods {
     ($(fn $method:ident $(<const $number:ident: usize>)? ($($parameters:tt)*) -> $result:ty = $value:expr;)*) => {$(
         #[cfg_attr(not(debug_assertions), inline(always))]
@@ -61,8 +61,8 @@ macro_rules! methods {
     )*};
 }
 
-/// Reads a number of single precision. For one lane the read is volatile: the compiler would otherwise merge the
-/// reads of a sample's numbers into one load, which waits if a caller has just stored them one by one.
+/// Reads a single-precision number. For one lane the read is volatile: the compiler would otherwise merge the reads of
+/// a sample's numbers into one load, and that load would stall if a caller has just stored the numbers one by one.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn single<S: Scalar, const N: usize>(from: &f32) -> S {
     // SAFETY: the reference is valid.
@@ -174,7 +174,7 @@ impl<S: Scalar, const N: usize, const SMALL: bool> LookUp for Portable<S, N, SMA
     unsafe fn pairs(table: *const [f32; 2], indices: Self::Places) -> [Self; 4] {
         let mut numbers = [Self([S::ZERO; N]); 4];
         each_lane!(i => {
-            // SAFETY: the caller ensures it.
+            // SAFETY: the caller ensures that the indices are valid.
             let [[a, b], [c, d]] = unsafe { table.add(indices[i]).cast::<[[f32; 2]; 2]>().read() };
             numbers[0].0[i] = S::from_f64(a.into());
             numbers[1].0[i] = S::from_f64(b.into());
@@ -187,7 +187,7 @@ impl<S: Scalar, const N: usize, const SMALL: bool> LookUp for Portable<S, N, SMA
     unsafe fn indexed(table: *const Indexed, indices: Self::Places) -> (Self::Places, [Self; 3]) {
         let (mut found, mut numbers) = ([0; N], [Self([S::ZERO; N]); 3]);
         each_lane!(i => {
-            // SAFETY: the caller ensures it.
+            // SAFETY: the caller ensures that the indices are valid.
             let Indexed { index, numbers: [a, b, c] } = unsafe { table.add(indices[i] / 2).read() };
             found[i] = index as usize;
             numbers[0].0[i] = S::from_f64(a.into());

@@ -1,4 +1,4 @@
-//! The numbers in the lanes: operations of f64 and f32 beyond [`Real`] that the instances need.
+//! The numbers in the lanes: operations of `f64` and `f32` that vectors need in addition to those of [`Real`].
 
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::{_mm_cvttsd_si32, _mm_cvttss_si32, _mm_set_sd, _mm_set_ss};
@@ -7,29 +7,31 @@ use realistic_base::numeric::Real;
 
 /// A number type that vectors are made of.
 pub trait Scalar: Real + 'static {
-    /// Squares of n cos I up to this count as 0: a hit this close to grazing incidence has no meaningful direction,
-    /// and above it every instance's square root is correctly rounded.
+    /// Largest square of n cos I that counts as 0: a ray this close to grazing incidence has no meaningful direction
+    /// behind the surface. For larger squares, the square root is correctly rounded in every instance.
     const NO_SQUARE: Self;
     /// The smallest positive normal number.
     const LEAST: Self;
-    /// cos(π/4 √z) in powers of z, z in [0, 1]: its Chebyshev expansion, truncated below rounding.
+    /// Coefficients of cos(π/4 √z) in powers of z, for z in [0, 1]: the Chebyshev expansion, truncated where the
+    /// remaining terms are smaller than the rounding error.
     const COS: &'static [Self];
-    /// sin(π/4 √z)/√z.
+    /// Coefficients of sin(π/4 √z)/√z, as in [`Scalar::COS`].
     const SIN: &'static [Self];
-    /// Returns `self * b + c`, rounded once: an instruction if the processor has it and the caller is compiled for
-    /// it, else a slow but exact function.
+    /// Returns `self * b + c`, rounded once. This is an instruction if the processor has it and the caller is compiled
+    /// for it, else a slow function with the same result.
     #[must_use]
     fn fused(self, b: Self, c: Self) -> Self;
     /// Rounds toward 0 to an integer.
     #[must_use]
     fn whole(self) -> Self;
-    /// Returns the integer part of a number from 0 to 2^31; arbitrary for other numbers.
+    /// Returns the integer part of a number from 0 to 2^31; an arbitrary index for other numbers.
     fn index(self) -> usize;
-    /// Returns two square roots, at the latency of one if the processor can.
+    /// Returns two square roots, with the latency of one if the processor can compute both at once.
     fn sqrt_pair(a: Self, b: Self) -> [Self; 2];
 }
 
-/// Implements the differences between f64 and f32: the square that counts as 0, truncation, and two square roots.
+/// Implements [`Scalar`], given the differences between `f64` and `f32`: the square that counts as 0, the two series,
+/// the truncation to an index, and the pair of square roots.
 macro_rules! scalar {
     ($type:ident, $no_square:expr, cos $cos:expr, sin $sin:expr, $truncate:ident($set:ident), [$a:ident, $b:ident] => $roots:expr) => {
         impl Scalar for $type {
@@ -50,7 +52,7 @@ macro_rules! scalar {
 
             #[inline(always)]
             fn index(self) -> usize {
-                // `as` would add two comparisons to the latency of the look-up.
+                // A conversion by `as` alone would add two comparisons to the latency of a look-up.
                 #[cfg(target_arch = "x86_64")]
                 // SAFETY: every x86-64 processor has SSE2.
                 return unsafe { $truncate($set(self)) } as u32 as usize;
@@ -66,7 +68,7 @@ macro_rules! scalar {
     };
 }
 
-// 2^-256 and 2^-64.
+// The squares that count as 0 are 2^-256 for `f64` and 2^-64 for `f32`.
 scalar!(f64, (1023 - 256) << 52,
     cos [1.0,
         -0.308_425_137_534_042_45,
@@ -89,7 +91,7 @@ scalar!(f32, (127 - 64) << 23,
     sin [std::f32::consts::FRAC_PI_4, -0.080_745_436, 0.002_490_006_7, -0.000_035_954_29],
     _mm_cvttss_si32(_mm_set_ss), [a, b] => [a.sqrt(), b.sqrt()]);
 
-/// Returns two square roots by one instruction if the processor has one.
+/// Returns two square roots, by one instruction if the processor has such an instruction.
 #[inline(always)]
 fn sqrt_pair(a: f64, b: f64) -> [f64; 2] {
     #[cfg(target_arch = "x86_64")]

@@ -1,5 +1,5 @@
-//! Treatment of rays at apertures. Rays outside an aperture are either blocked ([`Blocking`]), or followed further
-//! while the kernel records how near they come to being blocked, or how far outside they pass ([`Nearest`]). One loop
+//! Treatment of rays at apertures. Rays outside an aperture are either blocked ([`Blocking`]) or traced further. In the
+//! second case, the kernel records how near to an edge each ray passes, inside or outside ([`Nearest`]). The same loop
 //! traces rays through a lens in both cases.
 
 use realistic_base::numeric::Real;
@@ -11,15 +11,15 @@ pub trait Apertures<L: Lanes>: Copy {
     const BLOCK: bool;
     /// Returns the state of rays that have met no aperture yet.
     fn new(cpu: Cpu<L>) -> Self;
-    /// Handles rays at the squared distance `height_squared` from the axis; `aperture` is the square of the
-    /// aperture's radius. Both may be scaled by the same positive number. Returns the rays of `passed`, those that
-    /// got this far, that go on.
+    /// Handles rays at the squared distance `height_squared` from the axis; `aperture` is the square of the aperture's
+    /// radius. Both may be scaled by the same positive number. `passed` marks the rays that have not been blocked so
+    /// far. Returns the subset of these rays that is traced further.
     fn meet(&mut self, cpu: Cpu<L>, passed: L::Mask, height_squared: L, aperture: L) -> L::Mask;
-    /// Returns the rays that must be traced at any cost; `None` for all rays.
+    /// Returns the rays that must be traced at any cost; `None` means all rays.
     fn worth(&self, cpu: Cpu<L>) -> Option<L::Mask>;
 }
 
-/// Rays outside an aperture are blocked.
+/// Treatment that blocks rays outside an aperture.
 #[derive(Clone, Copy)]
 pub struct Blocking;
 
@@ -42,15 +42,16 @@ impl<L: Lanes> Apertures<L> for Blocking {
     }
 }
 
-/// The distance by which each ray clears an aperture's edge, or passes outside it.
+/// Treatment that records how near each ray passes to the edge of an aperture, inside or outside.
 #[derive(Clone, Copy)]
 pub struct Nearest<L> {
-    /// The largest square of the ray's distance from the axis over that of an aperture's edge.
+    /// The largest ratio, over all apertures, of the squared distance of the ray from the axis to that of the
+    /// aperture's edge.
     pub ratio: L,
 }
 
-/// Squared ratio, as in [`Nearest::ratio`], above which rays left open by the lanes are no longer passed to the walk.
-/// Such rays count as lost, which suffices for a search of edges.
+/// Squared ratio, as in [`Nearest::ratio`], above which rays that the lanes leave open are no longer passed to the
+/// walk. Such rays count as lost, which suffices for a search for edges.
 const WORTH: f64 = 1.2 * 1.2;
 
 impl<L: Lanes<Scalar = f64>> Apertures<L> for Nearest<L> {

@@ -1,9 +1,9 @@
-//! Data that rays carry from surface to surface beside their geometry: the media at a wavelength of their own, and the
-//! share of their light that remains.
+//! Data that rays carry from surface to surface in addition to their geometry: the media at the wavelength of each ray,
+//! and the remaining share of the ray's light.
 //!
-//! A kernel's loop is generic over [`Carried`]. [`Own`] carries nothing: rays at the lens's own wavelength.
+//! A kernel's loop is generic over [`Carried`]. [`Own`] carries nothing; it is for rays at the lens's own wavelength.
 //! [`Dispersed`](super::dispersion::Dispersed) carries media. `light::Transmission` adds light to either of them;
-//! without it all light remains.
+//! without it, all light remains.
 
 use super::{
     dispersion::{Media, Own},
@@ -17,17 +17,18 @@ pub trait Carried<S: Scalar> {
     type State<L: Lanes<Scalar = S>>: Copy;
     /// The media at a surface.
     type Media<L: Lanes<Scalar = S>>: Media<L>;
-    /// Returns the data of rays before the lens. `wavelengths`, nm, are arbitrary if rays have none of their own.
+    /// Returns the data of rays before the lens. `wavelengths`, nm, are arbitrary if the rays do not have their own
+    /// wavelengths.
     fn start<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, wavelengths: L) -> Self::State<L>;
     /// Advances to the step of this number. Steps follow in order, from 0 on.
     fn go_to<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, number: usize, state: &mut Self::State<L>);
-    /// Returns the media at that step.
+    /// Returns the media at the current step.
     fn media<L: Lanes<Scalar = S>>(&self, state: &Self::State<L>) -> Self::Media<L>;
-    /// Takes rays across the surface of that step.
+    /// Takes the data of rays across the surface of the current step.
     #[inline(always)]
     fn cross<L: Lanes<Scalar = S>>(&self, _: Cpu<L>, _: usize, _: &mut Self::State<L>, _: &Crossing<L>) {}
-    /// Returns n² before and behind the surface of that step and the wavelengths, nm, if rays have wavelengths of
-    /// their own.
+    /// Returns n² before and behind the surface of the current step, and the wavelengths, nm, if each ray has its own
+    /// wavelength.
     #[inline(always)]
     fn light<L: Lanes<Scalar = S>>(&self, _: &Self::State<L>) -> Option<([L; 2], L)> {
         None

@@ -1,6 +1,6 @@
-//! Clearance of rays at apertures: a smooth measure of how near rays come to being clipped, where [`Path::walk`]
-//! returns only whether they are. It serves searches of a pupil's edge, and is another output of the kernel's own loop
-//! ([`Nearest`]).
+//! Clearance of rays at apertures: a smooth measure of how near rays come to being clipped. [`Path::walk`] returns only
+//! whether they are clipped. The clearance is used in searches for the edge of a pupil, and is another output of the
+//! kernel's own loop ([`Nearest`]).
 
 use std::marker::PhantomData;
 
@@ -23,14 +23,14 @@ pub struct Clearance {
     /// The largest ratio of the ray's distance from the axis to a clear semi-diameter; at most 1 for a ray that gets
     /// through.
     pub ratio: f64,
-    /// Whether the ray is also blocked for another reason, farther on. Beyond an aperture that the ray passes far
-    /// outside, this is not tested in full.
+    /// Whether the ray is also blocked farther on for another reason. This is not tested in full behind an aperture
+    /// that the ray passes far outside.
     pub lost: bool,
     /// Point on the film plane, x and y, mm, where a ray from the scene lands, unless it is lost.
     pub landing: Option<[f64; 2]>,
 }
 
-/// Number of rays per packet.
+/// Maximum number of rays per packet.
 const PACKET: usize = 32;
 
 /// A ray before a lens, as `N` numbers.
@@ -39,7 +39,7 @@ pub trait Departure<const N: usize> {
     const LANDS: bool;
     /// Returns the numbers.
     fn numbers(self) -> [f64; N];
-    /// Makes a vector of rays from these numbers, for film at z = `film`.
+    /// Builds a vector of rays from these numbers, for a film at z = `film`.
     fn start<L: Lanes<Scalar = f64>>(cpu: Cpu<L>, approach: Approach, film: f64, numbers: [L; N])
     -> Start<L>;
 }
@@ -94,8 +94,8 @@ impl Departure<6> for Ray {
     }
 }
 
-/// A path between film and scene, with the film behind the lens, that measures the clearances of rays: [`FilmRay`]s
-/// if the path leads to the scene, [`Ray`]s if it leads to the film.
+/// Tracer that measures the clearances of rays along a path between film and scene, with the film behind the lens. The
+/// rays are [`FilmRay`]s if the path leads to the scene, [`Ray`]s if it leads to the film.
 pub struct ClearanceTracer {
     table: Table<f64>,
     film: f64,
@@ -103,7 +103,7 @@ pub struct ClearanceTracer {
 }
 
 impl ClearanceTracer {
-    /// Makes a tracer for film at z = `film`, behind the lens, with the best available instructions.
+    /// Creates a tracer for a film at z = `film`, behind the lens, with the best available instructions.
     pub fn new(path: &Path<f64>, film: f64) -> Self {
         Self::with_simd(path, film, Available::best())
     }
@@ -115,9 +115,10 @@ impl ClearanceTracer {
     /// Reports to `found`, in order, the largest ratio of height to clear semi-diameter along each ray. The rays are
     /// traced side by side, and apertures do not block them.
     ///
-    /// A ray that is blocked for another reason (it misses a surface, is totally reflected, turns back) has the ratio
-    /// so far if that is more than 1, else `None`. [`Path::walk`] blocks exactly the rays with `None` or a ratio of
-    /// more than 1. The fused form of refraction is used, whatever the path's method.
+    /// For a ray that is blocked for another reason (it misses a surface, is totally reflected, or turns back), the
+    /// result has the largest ratio up to there if that is more than 1; otherwise the result is `None`. [`Path::walk`]
+    /// blocks exactly the rays with `None` or a ratio of more than 1. The fused form of refraction is used, whatever
+    /// the path's method.
     pub fn trace<const N: usize, D: Departure<N>>(
         &self,
         mut rays: impl Iterator<Item = D>,
@@ -137,8 +138,8 @@ impl ClearanceTracer {
     }
 
     /// Returns, in order, how far outside the apertures rays pass: the largest ratio of [`ClearanceTracer::trace`]
-    /// minus 1, at most 0 for a ray that gets through. A lost ray has infinity: the apertures that it met do not show
-    /// how near it comes to getting through.
+    /// minus 1, at most 0 for a ray that gets through. The result is infinity for a lost ray, because the apertures
+    /// that it met do not show how near it comes to getting through.
     pub fn excesses<const N: usize, D: Departure<N>>(
         &self,
         rays: impl ExactSizeIterator<Item = D>,
@@ -152,7 +153,7 @@ impl ClearanceTracer {
     }
 }
 
-/// Compiled once for each type of ray, not for each of the callers' closures.
+/// Traces a packet. This function is compiled once for each type of ray, not for each closure of a caller.
 #[inline(never)]
 fn trace<const N: usize, D: Departure<N>>(simd: Available, packet: &mut Packet<'_, N, D>) {
     in_vectors(simd, Grouping::Wide, packet);
@@ -181,7 +182,7 @@ impl<'a, const N: usize, D: Departure<N>> Packet<'a, N, D> {
         Self { lens, of: PhantomData, count: 0, numbers, passed: zero, ratio: zero, landing }
     }
 
-    /// Loads as many rays as fit; returns their number.
+    /// Loads as many rays as fit, and returns their number.
     fn fill(&mut self, rays: &mut impl Iterator<Item = D>) -> usize {
         self.count = 0;
         for (i, ray) in rays.take(PACKET).enumerate() {
@@ -288,8 +289,8 @@ mod tests {
         (0..count).map(ray).collect()
     }
 
-    /// Returns the clearances of rays. Asserts that every instance gives the same for the first 600 of them, whatever
-    /// the packet size.
+    /// Returns the clearances of rays. Asserts that every instance gives the same clearances for the first 600 rays,
+    /// whatever the packet size.
     fn clearances<const N: usize, D: Departure<N> + Copy>(
         name: &str,
         path: &Path<f64>,
@@ -326,7 +327,7 @@ mod tests {
             lost += usize::from(found.contains(&None));
             inside += usize::from(found.iter().flatten().any(|found| found.ratio < 1.0));
         }
-        // Not for every lens: a telephone's lens illuminates no film so far from its axis.
+        // This does not hold for every lens: a telephone's lens illuminates no film so far from its axis.
         assert!(lost >= 15 && inside >= 15, "{lost} {inside}");
     }
 
@@ -368,7 +369,7 @@ mod tests {
                 let [u, v] = landing.expect("not lost");
                 let along = (film - z) / dz;
                 let off = (u - x - along * dx).hypot(v - y - along * dy);
-                // Measured across the ray, not along the film.
+                // The distance is measured perpendicular to the ray, not along the film.
                 assert!(off * dz.abs() < 1e-9, "{name} {ray:?} {off:e}");
             }
             assert!(

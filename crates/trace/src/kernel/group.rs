@@ -10,7 +10,7 @@ pub struct Group<T, const U: usize> {
     count: usize,
 }
 
-/// Makes an empty group.
+/// Creates an empty group.
 impl<T, const U: usize> Default for Group<T, U> {
     #[inline(always)]
     fn default() -> Self {

@@ -1,6 +1,6 @@
-//! The algorithm compiled for each instruction set: one thin function per instruction set and grouping of rays, into
-//! which all functions below it are inlined (see the parent module), except the code that [`Lanes::apart`] compiles
-//! separately for all of them.
+//! The algorithm compiled for each instruction set. There is one thin function per instruction set and grouping of
+//! rays. All functions that it calls are inlined into it (see the parent module), except the code that [`Lanes::apart`]
+//! compiles separately and that all thin functions share.
 
 use super::{
     carried::Carried,
@@ -30,10 +30,10 @@ pub trait KernelScalar: Scalar {
     /// The widest vector of AVX-512.
     #[cfg(target_arch = "x86_64")]
     type Avx512: Lanes<Scalar = Self>;
-    /// Largest amplification of rounding that a link may have: above it the golden rays' errors begin to grow.
+    /// Largest amplification of rounding that a link may have; above it, the errors of the golden rays begin to grow.
     const AMPLIFICATION: f64;
 
-    /// Traces rays in arrays. Compiled here, not at each use.
+    /// Traces rays in arrays. This is compiled here, not at each use.
     fn trace(simd: Available, grouping: Grouping, rays: &mut Arrays<'_, '_, '_, Self, LensSteps<Self, Own>>);
 }
 
@@ -65,12 +65,12 @@ impl KernelScalar for f32 {
     }
 }
 
-/// Number of vectors traced side by side, so that one's roots overlap another's multiplications. Chosen by
-/// measurement; three to eight are within 7 %.
+/// Number of vectors that are traced side by side, so that the roots of one vector overlap the multiplications of
+/// another. Chosen by measurement: three to eight vectors are within 7 %.
 #[cfg(target_arch = "x86_64")]
 const INTERLEAVED: usize = 4;
-/// Lanes of the portable batch. An x86-64 processor that gets here has no fused multiply-add, which is then a
-/// function call per lane: one lane is as fast, and shares the code of single rays.
+/// Number of lanes in a portable batch. An x86-64 processor that runs this code has no fused multiply-add instruction,
+/// so the operation is a function call per lane. One lane is then as fast, and shares the code of single rays.
 const PORTABLE: usize = if cfg!(target_arch = "x86_64") { 1 } else { 4 };
 
 /// Optics that vectors of rays are traced through.
@@ -83,16 +83,16 @@ pub trait Optics<S: Scalar> {
     const SIDE_BY_SIDE: bool = false;
     /// Returns the plane from which rays start.
     fn approach(&self) -> Approach;
-    /// Takes a vector of rays to the point where others may join it. `wavelengths`, nm, are arbitrary if rays have
-    /// none of their own.
+    /// Takes a vector of rays to the point where other vectors may join it. `wavelengths`, nm, are arbitrary if the
+    /// rays do not have their own wavelengths.
     fn enter<L: Lanes<Scalar = S>>(
         &self,
         cpu: Cpu<L>,
         wavelengths: L,
         start: Start<L>,
     ) -> (Self::OnWay<L>, Self::State<L>);
-    /// Traces vectors of rays, each with its data, side by side: the first `count` of `U`. The vectors behind them
-    /// are idle. Does nothing in optics that [`Optics::enter`] takes rays through.
+    /// Traces vectors of rays, each with its data, side by side: the first `count` of `U`. The remaining vectors are
+    /// idle. Does nothing if [`Optics::enter`] has already taken the rays through the optics.
     #[inline(always)]
     fn through<L: Lanes<Scalar = S>, const U: usize>(
         &self,
@@ -174,7 +174,7 @@ pub enum Grouping {
 }
 
 impl Grouping {
-    /// Returns the grouping that takes the least time for this many rays.
+    /// Returns the grouping that takes the least time for this number of rays.
     #[inline(always)]
     pub fn of(rays: usize) -> Self {
         match rays {
@@ -185,7 +185,7 @@ impl Grouping {
     }
 }
 
-/// Work on many elements, vectors of them at a time.
+/// Work on many elements, several vectors of elements at a time.
 #[allow(clippy::len_without_is_empty, reason = "the loops need the number alone")]
 pub trait InVectors<S: Scalar> {
     /// Returns the number of elements.
@@ -195,7 +195,7 @@ pub trait InVectors<S: Scalar> {
     fn group<L: Lanes<Scalar = S>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize, count: usize);
 }
 
-/// Does work in vectors.
+/// Does work in the vectors for an instruction set and a grouping.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub fn in_vectors<S: KernelScalar, W: InVectors<S>>(simd: Available, grouping: Grouping, work: &mut W) {
     #[cfg(target_arch = "x86_64")]
@@ -221,8 +221,8 @@ pub fn in_vectors<S: KernelScalar, W: InVectors<S>>(simd: Available, grouping: G
     }
 }
 
-/// Not inlined, so that all calls of one width share it. On x86-64, where only the oldest processors get here, all
-/// callers also share the steps.
+/// Does work in portable vectors. Not inlined, so that all calls of one width share this function. On x86-64, where
+/// only the oldest processors run it, all callers also share the steps.
 #[inline(never)]
 fn portable_vectors<const LANES: usize, S: KernelScalar, W: InVectors<S>>(work: &mut W) {
     each::<Portable<S, LANES, { cfg!(target_arch = "x86_64") }>, 1, _>(Portable::cpu(), work);
@@ -255,8 +255,8 @@ fn fma_one<S: KernelScalar, W: InVectors<S>>(work: &mut W) {
     once::<Portable<S, 1>, _>(Portable::cpu(), work);
 }
 
-/// Does work on no more elements than one vector has. Has no loop, because the compiler would load constants before
-/// it into registers that the surfaces need.
+/// Does work on no more elements than one vector has. There is no loop, because the compiler would load constants
+/// before the loop into registers that the surfaces need.
 #[cfg(target_arch = "x86_64")]
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn once<L: Lanes, W: InVectors<L::Scalar>>(cpu: Cpu<L>, work: &mut W) {

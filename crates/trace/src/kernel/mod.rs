@@ -1,21 +1,21 @@
-//! The fast kernel: traces many rays at once, or one ray quickly, all of them exactly.
+//! The fast kernel, which traces many rays at once, or one ray quickly, and all rays exactly.
 //!
 //! A [`Kernel`] is a lens compiled for one direction and one precision. It uses the same algorithm for every grouping
-//! of rays and every register width, and **gives the same bits in all of them**: every operation is correctly
-//! rounded, fused multiply-add and square root included. If the library is compiled for a processor without FMA
-//! instructions and finds none at run time, fused multiply-adds are function calls: ten times slower, but with the
-//! same bits.
+//! of rays and every register width, and **gives the same bits in all cases**: every operation is correctly rounded,
+//! fused multiply-add and square root included. If the library is compiled for a processor without FMA instructions and
+//! finds none at run time, fused multiply-adds are function calls: ten times slower, but with the same bits.
 //!
-//! [`Path::walk`] is the reference, and gives the reason why a ray is blocked ([`Kernel::reason`]). The two agree
-//! except on rays within rounding of an edge. Squares of n cos I below 2^-256 (double precision) or 2^-64 (single)
-//! count as 0 and block the ray.
+//! [`Path::walk`] is the reference, and gives the reason why a ray is blocked ([`Kernel::reason`]). Kernel and walk
+//! agree except on rays within rounding of an edge. Squares of n cos I below 2^-256 (double precision) or 2^-64
+//! (single) count as 0 and block the ray.
 //!
-//! Modules in order: `surface` collects the data of each surface, with the facts that its neighbours' shapes prove;
-//! `table` makes a step of each surface, within the growth of rounding errors that `rounding` allows; `ray_arrays`
-//! loads a caller's rays into vectors of lanes; `trace` takes a `group` of vectors through the steps, each of which is
-//! a method in `ray_lanes` or, for aspheres, in `asphere`; `carried` is the data that rays carry along, such as the
-//! media at a wavelength of their own (`dispersion`); `instances` compiles all of this for each instruction set in
-//! `simd`. `clearance` runs the same loop for searches, and measures how near rays come to the edges of `apertures`.
+//! Modules in order: `surface` collects the data of each surface, with the facts that the shapes of its neighbours
+//! prove; `table` converts each surface to a step, within the growth of rounding errors that `rounding` allows;
+//! `ray_arrays` loads a caller's rays into vectors of lanes; `trace` takes a `group` of vectors through the steps, each
+//! of which is a method in `ray_lanes` or, for aspheres, in `asphere`; `carried` is the data that rays carry along,
+//! such as the media at each ray's own wavelength (`dispersion`); `instances` compiles all of this for each instruction
+//! set in `simd`. `clearance` runs the same loop for searches, and measures how near rays come to the edges of
+//! `apertures`.
 //!
 //! # Instances: which code is compiled, and where it runs
 //!
@@ -25,8 +25,8 @@
 //!
 //! The algorithm is written once, over `Lanes`, vectors of either precision. Thin functions in `instances`, one for
 //! each instruction set and grouping of rays, run it. The processor ([`Simd`]) and the caller (`Grouping`: `One`,
-//! `Quad` or `Wide`) determine which one. The environment variable `REALISTIC_SIMD` (`portable`, `avx2` or `avx512`)
-//! limits the instruction set, once for the whole process.
+//! `Quad` or `Wide`) determine which function runs. The environment variable `REALISTIC_SIMD` (`portable`, `avx2` or
+//! `avx512`) limits the instruction set, once for the whole process.
 //!
 //! | processor | one ray: `One` | up to four: `Quad` | many: `Wide` |
 //! |---|---|---|---|
@@ -45,12 +45,12 @@
 //!
 //! All work runs in the caller's thread. A kernel is immutable, and several threads may share it.
 //!
-//! Batches in the widest vectors of AVX2 and AVX-512 are traced four vectors side by side (`Group`); the last group
-//! has the vectors that remain, and a single remaining vector stays in registers. A step is a loop over the vectors
-//! of the group, not unrolled: the processor overlaps them anyway, and the code is a quarter of the size. Only
-//! aspheres are unrolled, for one, two and four vectors, of which some may be idle: their sums are longer than the
-//! processor's out-of-order window. Polynomials and ideal lenses take one vector after another
-//! (`Optics::SIDE_BY_SIDE`).
+//! Batches in the widest vectors of AVX2 and AVX-512 are traced four vectors side by side (`Group`); the last group has
+//! the vectors that remain, and a single remaining vector stays in registers. A step is a loop over the vectors of the
+//! group, which is not unrolled: the processor overlaps the vectors anyway, and the code is a quarter of the size. Only
+//! the loops at aspheres are unrolled, for one, two and four vectors, some of which may be idle, because the sums of an
+//! asphere are longer than the processor's out-of-order window. Polynomials and ideal lenses take one vector after
+//! another (`Optics::SIDE_BY_SIDE`).
 //!
 //! Work (`InVectors`: a camera's samples, or rays in arrays, through `Optics`) is compiled for each entry of the
 //! table that a caller may request. Two rules keep the code small:
@@ -108,7 +108,7 @@ use realistic_simd::{Available, Simd};
 
 /// A lens compiled for tracing rays in one direction with numbers of type `S`: `f64` or `f32`.
 ///
-/// Immutable; may be shared between threads.
+/// A kernel is immutable and may be shared between threads.
 #[derive(Clone, Debug)]
 pub struct Kernel<S> {
     steps: LensSteps<S, Own>,
@@ -122,7 +122,7 @@ impl<S: KernelScalar> Kernel<S> {
         Self::along(&Path::new(lens, direction, Refraction::Fused))
     }
 
-    /// [`Kernel::new`] for an existing path, which may have mirrors ([`Path::reflected`]).
+    /// Compiles an existing path as [`Kernel::new`] does a lens. The path may have mirrors ([`Path::reflected`]).
     pub fn along(path: &Path) -> Self {
         Self::compile(path.clone(), Available::best())
     }
@@ -208,8 +208,8 @@ impl<S: KernelScalar> Kernel<S> {
         );
     }
 
-    /// Returns the reason why a ray is blocked, by the scalar walk. If the walk in double precision lets the ray
-    /// through, it passes within rounding of the edge of a clear aperture, and the reason is [`Blocked::Clipped`].
+    /// Returns the reason why a ray is blocked, by the scalar walk. If the walk, in double precision, lets the ray
+    /// through, the ray passes within rounding of the edge of a clear aperture, and the reason is [`Blocked::Clipped`].
     pub fn reason(&self, ray: Ray) -> Blocked {
         self.path.walk(ray).blocked.unwrap_or(Blocked::Clipped)
     }

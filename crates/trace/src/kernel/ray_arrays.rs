@@ -1,8 +1,8 @@
 //! Rays in arrays before and behind a lens.
 //!
-//! The module defines the caller's structures of arrays ([`PlaneRays`], [`LensRays`]), arrays with storage of their
-//! own ([`RayBuffer`]), and a single ray ([`Traced`]). [`Arrays`] traces rays in arrays through optics; a camera,
-//! which makes its rays from samples, has its own loop.
+//! The module defines the caller's structures of arrays ([`PlaneRays`], [`LensRays`]), arrays that own their storage
+//! ([`RayBuffer`]), and a single ray ([`Traced`]). [`Arrays`] traces rays in arrays through optics; a camera, which
+//! makes its rays from samples, has its own loop.
 
 use std::ops::Range;
 
@@ -15,7 +15,7 @@ use realistic_base::numeric::Real;
 use realistic_optics::lens::Ray;
 use realistic_simd::{Cpu, Lanes, Scalar};
 
-/// Rays that start on a plane across the axis, such as the film, as structure of arrays of one length.
+/// Rays that start on a plane perpendicular to the axis, such as the film, as a structure of arrays of equal length.
 #[derive(Clone, Copy, Debug)]
 pub struct PlaneRays<'a, S> {
     /// z of the plane in lens space, mm.
@@ -30,7 +30,7 @@ pub struct PlaneRays<'a, S> {
     pub slope_y: &'a [S],
 }
 
-/// Rays in lens space, as structure of arrays of one length.
+/// Rays in lens space, as a structure of arrays of equal length.
 #[derive(Debug)]
 pub struct LensRays<'a, S> {
     /// A point on each ray: x, y and z, mm.
@@ -38,7 +38,7 @@ pub struct LensRays<'a, S> {
     /// Direction of each ray: x, y and z.
     pub direction: [&'a mut [S]; 3],
     /// Output only: cos⁴ of the angle between the axis and the ray before the lens, at least the smallest normal
-    /// number, for a ray that gets through; 0 for a blocked one.
+    /// number, for a ray that gets through; 0 for a blocked ray.
     pub weight: &'a mut [S],
 }
 
@@ -73,14 +73,14 @@ impl<S> LensRays<'_, S> {
 pub struct Traced<S> {
     /// The point on the last surface, mm.
     pub origin: [S; 3],
-    /// The unit direction behind it.
+    /// The direction behind that surface, a unit vector.
     pub direction: [S; 3],
     /// cos⁴ of the angle between the axis and the ray before the lens; positive.
     pub weight: S,
 }
 
 impl<S: Real> Traced<S> {
-    /// Makes a ray from the values of origin, direction and weight; `None` if the weight is 0, as for a blocked ray.
+    /// Builds a ray from the values of origin, direction and weight; `None` if the weight is 0, as for a blocked ray.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn of([x, y, z, dx, dy, dz, weight]: [S; 7]) -> Option<Self> {
         (weight > S::ZERO).then_some(Self { origin: [x, y, z], direction: [dx, dy, dz], weight })
@@ -92,12 +92,12 @@ impl<S: Real> Traced<S> {
     }
 }
 
-/// Storage for rays as structure of arrays: x, y, z of origin and direction, and the weight.
+/// Storage for rays as a structure of arrays: x, y, z of origin and direction, and the weight.
 #[derive(Clone, Debug)]
 pub struct RayBuffer<S>([Vec<S>; 7]);
 
 impl<S: Real> RayBuffer<S> {
-    /// Makes storage for `count` rays, all 0.
+    /// Creates storage for `count` rays, with all numbers 0.
     pub fn new(count: usize) -> Self {
         Self(std::array::from_fn(|_| vec![S::ZERO; count]))
     }
@@ -146,7 +146,7 @@ impl<S: Real> RayBuffer<S> {
         self.0.each_ref().map(Vec::as_slice)
     }
 
-    /// Returns a ray that got through; `None` for a blocked one.
+    /// Returns the ray at an index; `None` if it was blocked.
     pub fn get(&self, i: usize) -> Option<Traced<S>> {
         Traced::of(self.0.each_ref().map(|column| column[i]))
     }
@@ -178,7 +178,7 @@ fn store<S: Scalar, L: Lanes<Scalar = S>>(
     weight.larger(L::splat(cpu, L::Scalar::LEAST)).or_zero(end.passed).store(&mut rays.weight[at..]);
 }
 
-/// Makes rays from `[x, y]` on the plane z = `plane` (lens space) with the slopes `[sx, sy]`.
+/// Builds rays from `[x, y]` on the plane z = `plane` (lens space) with the slopes `[sx, sy]`.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub fn from_plane<L: Lanes>(
     cpu: Cpu<L>,
@@ -191,18 +191,19 @@ pub fn from_plane<L: Lanes>(
     let moved = L::splat(cpu, L::Scalar::from_f64(entry - plane));
     let travel_sign = L::splat(cpu, L::Scalar::from_f64(travel_sign));
     let stretch = sy.mul_add(sy, sx.mul_add(sx, one));
-    // The reciprocal comes first: the first surface needs it before the cosine.
+    // The reciprocal is computed first, because the first surface needs it before the cosine.
     let cos2 = one / stretch;
     let (x, y) = (moved.mul_add(sx, x), moved.mul_add(sy, y));
     let slopes = [sx * travel_sign, sy * travel_sign];
     Start::Flat { x, y, slopes, stretch, cos2, moved: moved * travel_sign }
 }
 
-/// Rays in arrays, as work: traces them through optics.
+/// Rays in arrays, as work that traces them through optics.
 pub struct Arrays<'a, 'b, 'c, S, O> {
     /// The optics that the rays go through.
     pub optics: &'a O,
-    /// Rays before the optics; if `None`, `to` holds them, each anywhere before the first surface.
+    /// Rays before the optics. If `None`, `to` contains the rays, each of which starts anywhere before the first
+    /// surface.
     pub from: Option<&'a PlaneRays<'b, S>>,
     /// Rays behind the optics.
     pub to: &'a mut LensRays<'c, S>,
@@ -211,7 +212,7 @@ pub struct Arrays<'a, 'b, 'c, S, O> {
 }
 
 impl<S: Scalar, O: Optics<S>> Arrays<'_, '_, '_, S, O> {
-    /// Takes the vector of rays that starts at index `at` to the point where others may join it.
+    /// Takes the vector of rays that starts at index `at` to the point where other vectors may join it.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn enter<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, at: usize) -> (O::OnWay<L>, O::State<L>) {
         let approach = self.optics.approach();
@@ -278,7 +279,8 @@ impl<S: Scalar, O: Optics<S>> InVectors<S> for Arrays<'_, '_, '_, S, O> {
     }
 }
 
-/// Traces `N` rays from a plane, one to four, for low latency; `trace` belongs to a kernel or to polynomials.
+/// Traces `N` rays from a plane, one to four, with low latency; `trace` is the function of a kernel or of polynomials
+/// that traces arrays.
 #[inline(always)]
 pub fn trace_array<S: Scalar, const N: usize>(
     plane: f64,
@@ -295,12 +297,13 @@ pub fn trace_array<S: Scalar, const N: usize>(
     std::array::from_fn(|i| Traced::of(out.map(|column| column[i])))
 }
 
-/// Makes rays that start anywhere in lens space with directions of any length but 0, and moves them to the vertex
-/// plane if that lies ahead.
+/// Builds rays that start anywhere in lens space, with directions of any length but 0, and moves them to the vertex
+/// plane if that plane lies ahead.
 ///
-/// Uses differences of products, not P + t D: for a distant object the latter is only as precise as the distance, the
-/// former as precise as the lens. Each is within 1.5 ulp by Kahan's algorithm (C.-P. Jeannerod, N. Louvet and J.-M.
-/// Muller, "Further analysis of Kahan's algorithm for the accurate computation of 2 x 2 determinants", 2013).
+/// The points are computed by differences of products, not as P + t D. For a distant object, P + t D has a rounding
+/// error relative to the distance; the error of a difference of products is relative to the size of the lens. Each
+/// difference is within 1.5 ulp by Kahan's algorithm (C.-P. Jeannerod, N. Louvet and J.-M. Muller, "Further analysis of
+/// Kahan's algorithm for the accurate computation of 2 x 2 determinants", 2013).
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub fn anywhere<L: Lanes>(
     cpu: Cpu<L>,
@@ -312,7 +315,7 @@ pub fn anywhere<L: Lanes>(
     let travel_sign = L::splat(cpu, L::Scalar::from_f64(travel_sign));
     let minus_z = (L::splat(cpu, L::Scalar::from_f64(entry)) - z) * travel_sign;
     let dz = dz * travel_sign;
-    // Scaled first, so that the squares of very small or large components stay in range.
+    // The direction is scaled first, so that the squares of very small or very large components stay in range.
     let [ax, ay, az] = [dx.larger(zero - dx), dy.larger(zero - dy), dz.larger(zero - dz)];
     let largest = ax.larger(ay).larger(az);
     let [sx, sy, sz] = [dx / largest, dy / largest, dz / largest];

@@ -1,13 +1,13 @@
 //! Rays in lanes inside a lens ([`RayLanes`]), and the operation of each type of step on them.
 //!
-//! The frame is that of a surface's vertex, with the axis along the travel. V = n D, c = 1/R (positive when the centre
-//! lies ahead), N = (-c x, -c y, 1 - c z) and K = n'² - n²:
+//! The origin of the frame is the vertex of a surface; the z axis points along the travel. V = n D, c = 1/R (positive
+//! when the centre lies ahead), N = (-c x, -c y, 1 - c z) and K = n'² - n²:
 //!
 //! - f = (c/2)(x² + y² + z²) - z, g = N·V at the ray's point, e = √(g² - 2 c n² f) = n cos I and
 //!   e' = √(e² + K) = n' cos I' at the hit, t V away, t = (g - e)/(c n²) = 2 f/(g + e);
 //! - V' = V + (e' - e) N.
 //!
-//! Both roots are computed at once, in parallel, and a strongly curved surface needs no division. A blocked ray
+//! Both roots are computed at once, in parallel, and a strongly curved surface requires no division. A blocked ray
 //! continues with arbitrary values; the mask records that it is blocked.
 
 use super::{
@@ -20,7 +20,7 @@ use realistic_base::numeric::Real;
 use realistic_optics::trace::StopFigure;
 use realistic_simd::{Cpu, Lanes, Scalar};
 
-/// Rays ready for the first surface, in its vertex's frame.
+/// Rays ready for the first surface, in the frame of its vertex.
 #[derive(Clone, Copy)]
 pub enum Start<L> {
     /// Rays on the vertex plane, n = 1.
@@ -35,7 +35,7 @@ pub enum Start<L> {
         stretch: L,
         /// Vz² = 1/(1 + s²).
         cos2: L,
-        /// Distance along the axis that the ray was moved on from its origin.
+        /// Distance along the axis by which the ray was moved from its origin.
         moved: L,
     },
     /// Rays from any point before the first surface.
@@ -46,9 +46,9 @@ pub enum Start<L> {
         y: L,
         /// -z, mm.
         minus_z: L,
-        /// V, a unit vector: n is 1.
+        /// V, a unit vector, because n is 1.
         v: [L; 3],
-        /// Distance that the ray was moved on from its origin, in units of V.
+        /// Distance by which the ray was moved from its origin, in units of V.
         lead: L,
     },
 }
@@ -56,7 +56,7 @@ pub enum Start<L> {
 /// The refraction of rays at a surface, in the frame of its vertex; blocked lanes hold arbitrary values.
 #[derive(Clone, Copy)]
 pub struct Crossing<L> {
-    /// The normal N where the rays meet the surface, toward their travel.
+    /// The normal N where the rays meet the surface, pointing along the travel.
     pub normal: [L; 3],
     /// N·N if N is not a unit vector.
     pub square: Option<L>,
@@ -64,7 +64,7 @@ pub struct Crossing<L> {
     pub facing: [L; 2],
     /// V behind the surface.
     pub v: [L; 3],
-    /// Distance along the rays from the surface before, in units of V.
+    /// Distance along the rays from the previous surface, in units of V.
     pub distance: L,
 }
 
@@ -99,9 +99,9 @@ pub struct End<L: Lanes> {
     pub direction: [L; 3],
     /// Lanes whose rays pass the optics.
     pub passed: L::Mask,
-    /// Squared cosine of the angle to the axis before the optics.
+    /// Squared cosine of the angle between ray and axis before the optics.
     pub cos2: L,
-    /// Share of the light that remains, if it is carried, else 1.
+    /// Remaining share of the light if rays carry light, else 1.
     pub left: L,
 }
 
@@ -113,7 +113,7 @@ pub struct RayLanes<L: Lanes, A = Blocking> {
     pub vx: L,
     pub vy: L,
     pub vz: L,
-    /// z above the last vertex, or N_z there, as the table specifies.
+    /// z above the last vertex, or N_z at the last surface, as the table specifies.
     pub height: L,
     /// e' behind the last surface; behind a leading plane, the distance that the ray has come, in units of V.
     pub root: L,
@@ -124,12 +124,12 @@ pub struct RayLanes<L: Lanes, A = Blocking> {
     pub apertures: A,
 }
 
-/// Largest relative deviation of V's length from n at the end: the step of Newton's iteration then leaves an error of
-/// 1.5 times its square, 3e-7.
+/// Largest relative deviation of the length of V from n at the end. The step of Newton's iteration then leaves an error
+/// of 1.5 times the square of this deviation, 3e-7.
 const MOST_ROUNDING: f64 = 4.5e-4;
 
 impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
-    /// Takes rays through the first surface. The distance of their crossing is arbitrary.
+    /// Takes rays through the first surface. The distance in the returned crossing is arbitrary.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn enter(
         cpu: Cpu<L>,
@@ -182,7 +182,8 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         }
     }
 
-    /// Returns a ray before the first surface, with -z there and the distance that it was moved on, in units of V.
+    /// Returns the rays before the first surface, -z of their points, and the distance by which they were moved, in
+    /// units of V.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn before_surface(cpu: Cpu<L>, start: Start<L>) -> (Self, L, L) {
         match start {
@@ -197,7 +198,7 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         }
     }
 
-    /// Makes rays at a point, none of them blocked.
+    /// Builds rays at a point, none of which is blocked.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn at(cpu: Cpu<L>, [x, y]: [L; 2], [vx, vy, vz]: [L; 3], cos2: L) -> Self {
         let zero = L::splat(cpu, L::Scalar::ZERO);
@@ -221,7 +222,7 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         self.keep(L::splat(cpu, L::Scalar::ZERO).less(self.vz));
     }
 
-    /// Blocks rays unless the argument of the root is well above 0: the others miss the surface, are totally
+    /// Blocks rays unless the argument of the root is well above 0. The blocked rays miss the surface, are totally
     /// reflected, or are NaN.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn keep_root(&mut self, cpu: Cpu<L>, square: L) {
@@ -238,8 +239,8 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         self.y.mul_add(self.y, self.x * self.x)
     }
 
-    /// Treats rays at an aperture: `height_squared` is their squared distance from the axis, `aperture` that of its
-    /// edge.
+    /// Treats rays at an aperture: `height_squared` is the squared distance of the rays from the axis, `aperture` that
+    /// of the aperture's edge.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn meet_aperture(&mut self, cpu: Cpu<L>, height_squared: L, aperture: L) {
         self.passed = self.apertures.meet(cpu, self.passed, height_squared, aperture);
@@ -254,14 +255,14 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         } else {
             self.keep(L::splat(cpu, L::Scalar::ZERO).less_equal(normal_z));
             let one = L::Scalar::ONE;
-            // Both are scaled by c².
+            // Both arguments of the test are scaled by c².
             let height_squared = self.height_squared() * L::splat(cpu, minus_c * minus_c);
             self.meet_aperture(cpu, height_squared, L::splat(cpu, one - least * least));
         }
     }
 
-    /// Returns the distance that the ray has come, for a surface behind a leading plane; `None` for other surfaces,
-    /// which measure from the ray's current point.
+    /// Returns the distance that the rays have travelled, for a surface behind a leading plane. Returns `None` for
+    /// other surfaces, which measure from the current point of the rays.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn lead(&self, is_led: bool) -> Option<L> {
         is_led.then_some(self.root)
@@ -296,7 +297,7 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         );
         let g = alpha.mul_add(self.vz, rho * self.root);
         let square = g.mul_add(g, minus_2phi);
-        // Not computed as square + K, so that neither root waits for the other.
+        // This is not computed as square + K, so that neither root waits for the other.
         let square_after = g.mul_add(g, minus_2phi + media.index_step(cpu, link.index_step));
         let [before, after] = L::sqrt_pair(square, square_after);
         let delta = g - before;
@@ -365,9 +366,9 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         crossing
     }
 
-    /// Intersects and refracts at a sphere, starting from its vertex plane with slopes s. With
-    /// G = g/Vz = 1 - c (x, y)·s and E² = (e/Vz)² = G² - 2 c n² f (1 + s²), z = t Vz = (G - E) Vz²/(c n²): no operation
-    /// waits for Vz, itself a root.
+    /// Intersects and refracts rays at a sphere. They start from its vertex plane, with slopes s. With G = g/Vz = 1 - c
+    /// (x, y)·s and E² = (e/Vz)² = G² - 2 c n² f (1 + s²), z = t Vz = (G - E) Vz²/(c n²). No operation thus waits for
+    /// Vz, which is itself a root.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn first_sphere(
         &mut self,
@@ -393,7 +394,7 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         let z = if sphere.strong { strong } else { L::select(zero.less(g), (f + f) / (g + e), strong) };
         self.x = z.mul_add(sx, self.x);
         self.y = z.mul_add(sy, self.y);
-        // Vz is about to change, and the test's slack is in units of the current one.
+        // Vz is about to change, and the slack of the test is in units of the current V.
         let slack = self.vz * L::splat(cpu, -sphere.slack);
         let facing = [e * self.vz, after];
         let crossing = self.pass::<false>(cpu, sphere, media, z, [[square, square_after], facing], zero);
@@ -403,8 +404,9 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         crossing
     }
 
-    /// Refracts rays at their current point on a sphere, at the height `z` and `distance` from the surface before, and
-    /// tests its aperture. The pairs are first the squares of n cos I before and behind it, then their roots.
+    /// Refracts rays at their current point on a sphere, and tests the aperture. The point is at the height `z`, at
+    /// `distance` from the previous surface. The first pair of vectors is the squares of n cos I before and behind the
+    /// sphere, the second pair their roots.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn pass<const PLAIN: bool>(
         &mut self,
@@ -478,8 +480,8 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         self.vz = twice.mul_sub(normal_z, self.vz);
     }
 
-    /// Tests the stop's aperture: |z (Vx, Vy) + Vz (x, y)| <= a Vz, with z the distance along the axis to the stop.
-    /// Neither moves the rays nor divides.
+    /// Tests the stop's aperture: |z (Vx, Vy) + Vz (x, y)| <= a Vz, with z the distance along the axis to the stop. The
+    /// test neither moves the rays nor divides.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn stop(&mut self, cpu: Cpu<L>, stop: &Stop<L::Scalar>) {
         let ahead = self.minus_z(cpu, &stop.transfer);
@@ -501,9 +503,9 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         (self.vx, self.vy, self.vz) = (self.vx * factor, self.vy * factor, self.vz * factor);
     }
 
-    /// Transforms rays to lens space, with the direction made a unit vector by one step of Newton's iteration. If V
-    /// does not have the length n up to rounding, the ray comes from outside the image and is blocked here, as are
-    /// rays with NaN.
+    /// Transforms rays to lens space, with the direction made a unit vector by one step of Newton's iteration. If the
+    /// length of V is not n up to rounding, the ray comes from outside the image and is blocked here, as is a ray with
+    /// a NaN.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn leave(self, cpu: Cpu<L>, table: &Table<L::Scalar>, left: L) -> End<L> {
         let z = self.height.mul_add(L::splat(cpu, table.exit.factor), L::splat(cpu, table.exit.offset));
@@ -522,8 +524,8 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
 }
 
 impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
-    /// Tests the figure of a stop's blades by [`StopFigure`]'s inequality at P = z (Vx, Vy)/Vz + (x, y), multiplied
-    /// by Vz², with z the distance along the axis to the stop. Neither moves the rays nor divides.
+    /// Tests the figure of a stop's blades by [`StopFigure`]'s inequality at P = z (Vx, Vy)/Vz + (x, y), multiplied by
+    /// Vz², with z the distance along the axis to the stop. The test neither moves the rays nor divides.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn blades(&mut self, cpu: Cpu<L>, stop: &BladedStop<L::Scalar>) {
         let ahead = self.minus_z(cpu, &stop.transfer);
@@ -537,13 +539,14 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
 /// Returns the two sides of [`StopFigure`]'s inequality at points that were multiplied by `w`, positive.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub fn power<L: Lanes>(cpu: Cpu<L>, figure: &StopFigure<L::Scalar>, [x, y]: [L; 2], w: L) -> (L, L) {
-    // If there are three normals or more, at least one is less than a right angle from the point.
+    // If there are three normals or more, the angle between at least one of them and the point is less than a right
+    // angle.
     let mut most = L::splat(cpu, L::Scalar::ZERO);
     for normal in &figure.normals {
         let product = y.mul_add(L::splat(cpu, normal[1]), x * L::splat(cpu, normal[0]));
         most = product.larger(most);
     }
-    // NaN if the point is NaN, even where the factor is 0.
+    // The product is NaN if the point is NaN, even if the factor is 0.
     let round = L::splat(cpu, figure.bulge) * y.mul_add(y, x * x);
     let power = (most * w).mul_add(L::splat(cpu, figure.slant), round);
     (power, (w * w) * L::splat(cpu, figure.limit))

@@ -1,11 +1,11 @@
 //! Growth of rounding errors in the quantities that the kernel assumes of a ray.
 //!
-//! A link assumes that V has the length n, that the point is on the last sphere, and that e' = N·V' there. These are
-//! three numbers more than a ray has, with rounding errors of their own, and a matrix other than the lens's ray
-//! transfer matrix propagates an error in them: in a row of balls two diameters apart the error grows sevenfold per
-//! ball, while the ray map grows 2.6-fold. On the axis, where neighbouring rays do not change these numbers to first
-//! order, that matrix is simple. The table multiplies it up and renormalises V to the length n before the error
-//! matters.
+//! A link assumes that V has the length n, that the point is on the last sphere, and that e' = N·V' at this point.
+//! These are three numbers more than a ray has, with their own rounding errors. The errors are not propagated by the
+//! ray transfer matrix of the lens but by another matrix: in a row of balls two diameters apart, the error grows
+//! sevenfold per ball, while the ray map grows 2.6-fold. On the axis, where neighbouring rays do not change these
+//! numbers to first order, the other matrix is simple. The table multiplies these matrices along the path, and
+//! renormalises V to the length n before the error matters.
 
 /// Independent errors of N_z, Vz/n and e'/n' behind a surface, as a covariance matrix, in units of the rounding.
 #[derive(Clone, Copy, Debug)]
@@ -14,22 +14,22 @@ pub struct RoundingGrowth([[f64; 3]; 3]);
 /// A step on the axis: c d and n/n'.
 #[derive(Clone, Copy, Debug)]
 pub struct AxialStep {
-    /// The distance over the radius of the surface reached.
+    /// c d: the distance over the radius of the surface that is reached.
     pub distance: f64,
-    /// The index before over the one behind.
+    /// n/n': the index before the surface over the index behind it.
     pub index_ratio: f64,
 }
 
 impl RoundingGrowth {
-    /// Errors behind the first surface, and wherever V has just been renormalised.
+    /// Errors behind the first surface, and at every point where V has just been renormalised.
     pub const NONE: Self = Self([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
 
-    /// Returns the root of the summed variances.
+    /// Returns the square root of the sum of the variances.
     pub fn size(&self) -> f64 {
         (0..3).map(|i| self.0[i][i]).sum::<f64>().sqrt()
     }
 
-    /// Returns the errors behind a link of this ρ whose rounding is `noise` times that of its operands.
+    /// Returns the errors behind a link with this ρ, if the rounding of the link is `noise` times that of its operands.
     pub fn through_link(self, reach: AxialStep, rho: f64, noise: f64) -> Self {
         let cd = reach.distance;
         let alpha = 1.0 + cd - rho;
@@ -38,14 +38,15 @@ impl RoundingGrowth {
         self.bent(reach, slope, root, noise)
     }
 
-    /// Returns the errors behind a sphere met from any point, which assumes only the length of V.
+    /// Returns the errors behind a sphere that is met from any point. The step to such a sphere assumes only the length
+    /// of V.
     pub fn through_sphere(self, reach: AxialStep) -> Self {
         let cd = reach.distance;
         let g = 1.0 + cd;
         self.bent(reach, [0.0, cd * cd, 0.0], [0.0, g * g, 0.0], g * g)
     }
 
-    /// Returns the errors behind a plane: the point is on it, and its e' is Vz.
+    /// Returns the errors behind a plane: the point is on the plane, and e' is Vz.
     pub fn through_plane(self, index_ratio: f64) -> Self {
         let length = [0.0, index_ratio * index_ratio, 0.0];
         self.carried([[0.0; 3], length, length], 1.0)
@@ -56,8 +57,8 @@ impl RoundingGrowth {
         self.carried([[1.0, 0.0, 0.0], [2.0, -1.0, 2.0], [0.0, 0.0, 1.0]], 1.0)
     }
 
-    /// Propagates the errors; `slope` and `root` are the derivatives of N_z and e/n at the hit with respect to the
-    /// numbers behind the surface before.
+    /// Propagates the errors; `slope` and `root` are the derivatives of N_z and e/n at the hit with respect to N_z,
+    /// Vz/n and e'/n' behind the previous surface.
     fn bent(self, reach: AxialStep, slope: [f64; 3], root: [f64; 3], noise: f64) -> Self {
         let m = reach.index_ratio;
         let mut along: [f64; 3] = std::array::from_fn(|i| m * (m - 1.0) * root[i] + (1.0 - m) * slope[i]);

@@ -1,26 +1,26 @@
-//! A surface as input of the kernel's table: its data in the frame of the travel, and the tests that a ray still
-//! needs. Converts a path's surfaces into [`CompiledSurface`]s, for which `table` chooses steps.
+//! A surface as input of the kernel's table: its data in a frame along the travel, and the tests that a ray still
+//! needs. The surfaces of a path are converted to [`CompiledSurface`]s, for which `table` chooses steps.
 //!
-//! **Tests.** A ray is turned back if its next surface lies behind it (t < 0) or it no longer travels forward
-//! (Vz <= 0). It leaves a surface, and crosses the next one, toward the side ahead. A condition that the shapes of
-//! the two surfaces and their distance prove for every ray between them is not tested ([`tests_between`]).
+//! **Tests.** A ray is turned back if its next surface lies behind it (t < 0) or it no longer travels forward (Vz <=
+//! 0). A ray leaves a surface, and crosses the next surface, toward the side ahead. A condition that the shapes of the
+//! two surfaces and their distance prove for every ray between them is not tested ([`tests_between`]).
 //!
-//! **Mirrors.** Behind a mirror z is reversed and again points along the travel, as in the path. The mirror's own
-//! curvature then changes sign, N_z = 1 - c z and e = N·V stay the same, and a ray leaves the mirror toward the side
-//! ahead, as it leaves any other surface. The proofs for the next surface, and its intersection, are the same as
-//! without a mirror, also for aspheres.
+//! **Mirrors.** Behind a mirror, the z axis is reversed, so that it again points along the travel, as in the path. The
+//! curvature of the mirror then changes sign, and N_z = 1 - c z and e = N·V stay the same. A ray leaves the mirror
+//! toward the side ahead, as it leaves any other surface. The proofs for the next surface and the intersection with it
+//! are thus the same as without a mirror, also for aspheres.
 
 use realistic_optics::trace::{Aspheric, PathSurface, StopFigure};
 
-/// Largest |R|/n, in clear semi-diameters, of a strongly curved surface. Without the division t has an error of
-/// rounding times |R|/n, however near the surface is. This is the least value that leaves the catalogue's lenses
-/// without a division; their weakest surface has 25.5 from the film.
+/// Largest |R|/n, in clear semi-diameters, of a strongly curved surface. Without the division, t has an error of the
+/// rounding unit times |R|/n, however near the surface is. This limit is the smallest at which the lenses of the
+/// catalogue need no division; the ratio of their weakest surface is 25.5, traced from the film.
 const STRONG: f64 = 26.0;
-/// (a/R)² from which the aperture is tested by N_z, which is too imprecise below.
+/// Least (a/R)² at which the aperture is tested by N_z; below it, N_z is too imprecise.
 const STEEP: f64 = 0.02;
 
-/// Transfer from one vertex's frame to the next: -z' there is `factor` times the height that a ray carries (z above
-/// the last vertex, or N_z there), plus `offset`.
+/// Transfer from the frame of one vertex to the frame of the next: -z' in the new frame is `factor` times the height
+/// that a ray carries (z above the last vertex, or N_z at the last surface), plus `offset`.
 #[derive(Clone, Copy, Debug)]
 pub struct Transfer<S> {
     pub factor: S,
@@ -49,8 +49,8 @@ pub struct CompiledSurface<'a> {
     /// Whether this is a plane that only limits rays and is the first surface: the ray is moved to it, and the
     /// distance that it has come is passed on.
     pub leads: bool,
-    /// Whether this is the next surface that moves the ray behind such a plane: its slack is measured from the ray's
-    /// origin.
+    /// Whether this is the next surface that moves the ray behind a plane that leads; the slack of such a surface is
+    /// measured from the ray's origin.
     pub is_led: bool,
 }
 
@@ -69,7 +69,8 @@ impl CompiledSurface<'_> {
     }
 }
 
-/// Compiles the surfaces of a path. `travel_sign` is the table's, `epsilon` the precision's rounding unit.
+/// Compiles the surfaces of a path. `travel_sign` is that of the table; `epsilon` is the rounding unit of the
+/// precision.
 pub fn surfaces(steps: &[PathSurface<f64>], travel_sign: f64, epsilon: f64) -> Vec<CompiledSurface<'_>> {
     let mut surfaces: Vec<CompiledSurface<'_>> = Vec::with_capacity(steps.len());
     let clear_part = |step: &PathSurface<f64>| ClearPart {
@@ -91,8 +92,8 @@ pub fn surfaces(steps: &[PathSurface<f64>], travel_sign: f64, epsilon: f64) -> V
         let here = clear_part(step);
         let is_still = moved.is_some() && i < last && step.only_limits();
         let mut tests = moved.map_or(unknown(step), |moved| tests_between(moved, here, distance));
-        // A plane that only limits rays need not lie ahead of its neighbours. Behind such a plane that is first, the
-        // test depends on the ray's origin.
+        // A plane that only limits rays need not lie ahead of its neighbours. If the first surface is such a plane, the
+        // test behind it depends on the ray's origin.
         tests.onward = (tests.onward || is_led) && !step.only_limits();
         let leads = moved.is_none() && step.only_limits();
         surfaces.push(CompiledSurface {
@@ -119,7 +120,7 @@ pub fn surfaces(steps: &[PathSurface<f64>], travel_sign: f64, epsilon: f64) -> V
     surfaces
 }
 
-/// The part of a surface inside its clear aperture, in a frame at its vertex with the axis along the travel.
+/// The part of a surface inside its clear aperture, in a frame at the vertex whose z axis points along the travel.
 #[derive(Clone, Copy, Debug)]
 struct ClearPart {
     /// 1/radius, positive when the centre lies ahead.
@@ -139,7 +140,8 @@ pub struct Tests {
     pub onward: bool,
 }
 
-/// Least gap that counts, relative to the lengths involved; far above the rounding of single precision.
+/// Smallest gap that counts as a gap, relative to the lengths involved. It is far above the rounding error of single
+/// precision.
 const MARGIN: f64 = 1e-5;
 
 impl ClearPart {
@@ -163,8 +165,9 @@ impl ClearPart {
         [edge_sagitta.min(0.0), edge_sagitta.max(0.0)]
     }
 
-    /// Whether the whole part, whose vertex lies `ahead` of the ball's, is inside the ball of curvature `ball` whose
-    /// near pole is at the origin and whose centre lies on the same side; for a plane, the half space ahead.
+    /// Whether the whole part is inside a ball of curvature `ball`. The near pole of the ball is at the origin, its
+    /// centre lies ahead, and the vertex of the part lies at the distance `ahead` from the pole. If `ball` is 0, the
+    /// ball is the half space ahead.
     fn is_inside(self, ball: f64, ahead: f64) -> bool {
         let (height, margin) = (self.semi_diameter, MARGIN * (self.semi_diameter + ahead));
         if !(ball * height < 1.0 && ball >= 0.0) {
@@ -181,8 +184,8 @@ impl ClearPart {
 
 /// Returns the tests that rays need from the part `from` to the part `to`, whose vertex lies `distance` ahead.
 fn tests_between(from: ClearPart, to: ClearPart, distance: f64) -> Tests {
-    // A ray leaving `from` into a ball does not come from inside it, and so can meet a part inside the ball only
-    // ahead. Seen backward, the same holds for the ball that it leaves at `to`.
+    // A ray that leaves `from` into a ball does not come from inside the ball, and so can meet a part inside the ball
+    // only ahead. Traced backward, the same holds for the ball that the ray leaves at `to`.
     let reversed = ClearPart { curvature: -from.curvature, ..from };
     let both_balls = from.aspheric.or(to.aspheric).is_none();
     let inside = || to.is_inside(from.curvature, distance) || reversed.is_inside(-to.curvature, distance);
@@ -220,7 +223,7 @@ mod tests {
             tests_between(clear_part(20.0, 8.0), clear_part(22.0, 8.0), 1.0),
             Tests { forward: true, onward: false }
         );
-        // The edges of a biconvex element that is too thin, then touching vertices.
+        // First the edges of a biconvex element that is too thin cross, then vertices touch.
         assert_eq!(
             tests_between(clear_part(20.0, 12.0), clear_part(-20.0, 12.0), 2.0),
             Tests { forward: true, onward: true }

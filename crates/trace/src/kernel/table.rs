@@ -1,9 +1,9 @@
-//! A lens compiled into steps, one form of step for each surface, chosen when the lens is built.
+//! A lens compiled into steps. The form of the step for each surface is chosen when the lens is built.
 //!
-//! Compiles a path into a [`Table`], with the constants of one [`Step`] per surface. The step from one strongly
-//! curved sphere to the next is a [`Link`], the cheapest form; a sphere met from afar, from a plane, or where a link
-//! would amplify rounding is a [`Sphere`]. Thresholds are ratios of a step's own lengths, so that a scaled lens gets
-//! the same steps.
+//! A path is compiled into a [`Table`] with the constants of the [`Step`]s. The step from one strongly curved sphere to
+//! the next is a [`Link`], the cheapest form. The step is a [`Sphere`] if the sphere is met from afar or from a plane,
+//! or if a link would amplify rounding. Thresholds are ratios of a step's own lengths, so that a scaled lens gets the
+//! same steps.
 
 use super::{
     asphere::{Conic, LaneAsphere},
@@ -22,7 +22,7 @@ pub enum ApertureTest<S> {
     NormalZ(S),
 }
 
-/// A sphere met from any point: the curvature form of the quadratic.
+/// A sphere met from any point, by the curvature form of the quadratic equation.
 #[derive(Clone, Copy, Debug)]
 pub struct Sphere<S> {
     pub transfer: Transfer<S>,
@@ -37,21 +37,21 @@ pub struct Sphere<S> {
     pub strong: bool,
     /// Whether the ray is moved to the vertex plane first.
     pub far: bool,
-    /// Whether the ray carries N_z on, for a link; else it carries z.
+    /// Whether the ray carries N_z on, for a link; otherwise it carries z.
     pub carries_normal: bool,
     pub aperture_test: ApertureTest<S>,
     pub tests: Tests,
-    /// Distance that a hit may lie behind the ray by rounding alone, in units of V.
+    /// Distance by which a hit may lie behind the ray through rounding alone, in units of V.
     pub slack: S,
-    /// Whether that distance is measured from the ray's origin, which a leading plane passes on.
+    /// Whether `slack` is measured from the ray's origin; a leading plane then passes on the distance from there.
     pub is_led: bool,
-    /// Whether this is the common case: strongly curved, near, aperture tested by N_z, which is carried on, and no
-    /// test that the hit lies ahead.
+    /// Whether this is the common case: the sphere is strongly curved and near, the aperture is tested by N_z, the ray
+    /// carries N_z on, and no test is needed that the hit lies ahead.
     pub plain: bool,
 }
 
-/// A plane with an index step, or one that only limits rays and is the first surface or lies behind all refracting
-/// ones.
+/// A plane with an index step, or a plane that only limits rays and is either the first surface or behind all
+/// refracting surfaces.
 #[derive(Clone, Copy, Debug)]
 pub struct Plane<S> {
     pub transfer: Transfer<S>,
@@ -60,15 +60,15 @@ pub struct Plane<S> {
     pub aperture: S,
     pub tests: Tests,
     pub slack: S,
-    /// Whether the plane is first and only limits rays: it passes on the distance that the ray has come
+    /// Whether the plane is first and only limits rays: it passes on the distance that the ray has travelled
     /// ([`RayLanes::root`](super::ray_lanes::RayLanes)).
     pub leads: bool,
-    /// Whether `slack` is measured from the ray's origin, which a leading plane passes on.
+    /// Whether `slack` is measured from the ray's origin; a leading plane then passes on the distance from there.
     pub is_led: bool,
 }
 
-/// A sphere or plane that reflects rays. The step before, with an index step of 0, has moved the rays to it without
-/// changing their direction.
+/// A sphere or plane that reflects rays. The previous step, with an index step of 0, has moved the rays to the mirror
+/// without changing their direction.
 #[derive(Clone, Copy, Debug)]
 pub struct Mirror<S> {
     /// -c, in the frame before the mirror.
@@ -93,7 +93,7 @@ pub struct BladedStop<S> {
 }
 
 impl<S: Scalar> BladedStop<S> {
-    /// Makes the figure of a path's stop; `transfer` leads to the stop.
+    /// Builds the figure of a path's stop; `transfer` leads to the stop.
     pub fn new(figure: &StopFigure<f64>, transfer: Transfer<S>) -> Self {
         let round = S::from_f64;
         let StopFigure { blades, normals, bulge, slant, limit } = figure;
@@ -105,7 +105,7 @@ impl<S: Scalar> BladedStop<S> {
 
 /// The step from one strongly curved sphere to the next.
 ///
-/// z = (1 - ν)/c_p and N·V' = e' on the first sphere, which makes f and g linear in ν = N_z, Vz and e'.
+/// On the first sphere, z = (1 - ν)/c_p and N·V' = e', which makes f and g linear in ν = N_z, Vz and e'.
 #[derive(Clone, Copy, Debug)]
 pub struct Link<S> {
     /// 1 + c d - ρ.
@@ -123,7 +123,8 @@ pub struct Link<S> {
     pub aperture_test: ApertureTest<S>,
     /// Whether Vz > 0 must be tested.
     pub forward: bool,
-    /// Whether n' < n: then total reflection is possible, and it includes every miss.
+    /// Whether n' < n. Total reflection is then possible, and the test for it also covers every ray that misses the
+    /// sphere.
     pub rarer: bool,
 }
 
@@ -132,7 +133,7 @@ pub struct Link<S> {
 pub enum Step<S> {
     /// Refraction at a sphere met from any point.
     Sphere(Sphere<S>),
-    /// Refraction at a strongly curved sphere behind another.
+    /// Refraction at a strongly curved sphere behind another such sphere.
     Link(Link<S>),
     /// Refraction at a plane, or a limit of the rays.
     Plane(Plane<S>),
@@ -142,9 +143,9 @@ pub enum Step<S> {
     Blades(BladedStop<S>),
     /// A conic section of revolution.
     Conic(Conic<S>),
-    /// Reflection at the sphere or plane that the step before has moved the rays to.
+    /// Reflection at the sphere or plane to which the previous step has moved the rays.
     Mirror(Mirror<S>),
-    /// A surface with terms. Boxed, so that the other steps stay small.
+    /// A surface with terms, boxed so that the other steps stay small.
     Asphere(Box<LaneAsphere<S>>),
     /// Scaling of V to the length n, by 3/2 and -1/(2 n²): V (3/2 - V·V/(2 n²)) has the length n.
     Renormalise([S; 2]),
@@ -160,12 +161,12 @@ impl<S> Step<S> {
 /// A lens compiled for one direction.
 #[derive(Clone, Debug)]
 pub struct Table<S> {
-    /// Steps in order. The first is never a link or a stop; a ray enters it in its vertex's frame.
+    /// Steps in order. The first step is never a link or a stop; a ray enters it in the frame of the first vertex.
     pub steps: Box<[Step<S>]>,
     /// The index of each step's surface, counted along the path.
     pub surfaces: Box<[usize]>,
-    /// Transfer from the last surface to lens space: z there is `exit.factor` times the height that the ray carries,
-    /// plus `exit.offset`.
+    /// Transfer from the last surface to lens space: z in lens space is `exit.factor` times the height that the ray
+    /// carries, plus `exit.offset`.
     pub exit: Transfer<S>,
     /// 3/(2 n) and -1/(2 n³) of the last medium: D = V (`unit[0]` + `unit[1]` V·V) is a unit vector.
     pub unit: [S; 2],
@@ -177,15 +178,16 @@ pub struct Table<S> {
     pub travel_sign: f64,
 }
 
-/// Distance over |R| beyond which a ray moves to the vertex plane first: f loses precision by that factor.
+/// Ratio of the distance to |R| beyond which a ray is first moved to the vertex plane; f loses precision by this
+/// factor.
 const FAR: f64 = 4.0;
-/// Largest tolerated size of [`RoundingGrowth`]. The catalogue's lenses reach 60 at most.
+/// Largest tolerated size of [`RoundingGrowth`]. The lenses of the catalogue reach at most 60.
 const MOST_GROWTH: f64 = 64.0;
-/// Largest rounding error of t, relative to the clear semi-diameter and in units of the rounding, that a link may
-/// have. The catalogue's lenses reach 27.6 from the film.
+/// Largest rounding error of t, relative to the clear semi-diameter and in units of the rounding, that a link may have.
+/// The lenses of the catalogue reach 27.6, traced from the film.
 const LINK_ROUNDING: f64 = 28.0;
-/// Largest semi-diameter of the surface before over |R|. Below this, inside the clear aperture of a surface that is
-/// not steep, a ray can reach the far hemisphere only by travelling backward.
+/// Largest ratio, for a link, of the previous surface's semi-diameter to |R|. Below this ratio, inside the clear
+/// aperture of a surface that is not steep, a ray can reach the far hemisphere only by travelling backward.
 const NARROW: f64 = 6.0;
 
 impl<S: Scalar> Table<S> {
@@ -194,7 +196,7 @@ impl<S: Scalar> Table<S> {
         Self::compiled(path, amplification, Unit::Own)
     }
 
-    /// [`Table::new`] with constants per n² of the medium before each surface.
+    /// Compiles a path as [`Table::new`] does, with constants per n² of the medium before each surface.
     pub fn per_square(path: &Path<f64>, amplification: f64) -> Self {
         Self::compiled(path, amplification, Unit::Square)
     }
@@ -287,7 +289,7 @@ enum Unit {
 /// The form of the step to a surface.
 #[derive(Clone, Copy)]
 enum StepForm<'a> {
-    /// No movement: the surface is only a test.
+    /// No movement; the surface only tests rays.
     Still,
     Plane,
     Aspheric(&'a Aspheric<f64>),
@@ -297,8 +299,8 @@ enum StepForm<'a> {
     Link(Link<f64>),
 }
 
-/// Chooses the form of each step: a link where possible, and a sphere reached anew from its vertex plane where the
-/// kernel's assumptions would be violated too much.
+/// Chooses the form of each step: a link where possible, and a sphere that is met anew from its vertex plane where
+/// rounding would violate the kernel's assumptions too much.
 fn forms<'a>(surfaces: &[CompiledSurface<'a>], amplification: f64) -> Vec<StepForm<'a>> {
     let mut last: Option<(&CompiledSurface<'a>, RoundingGrowth)> = None;
     let mut forms = Vec::with_capacity(surfaces.len());
@@ -312,7 +314,7 @@ fn forms<'a>(surfaces: &[CompiledSurface<'a>], amplification: f64) -> Vec<StepFo
             AxialStep { distance: c * distance, index_ratio: (1.0 + index_step / (n * n)).sqrt().recip() };
         let far = reach.distance.abs() > FAR;
         if let Some(aspheric) = surface.aspheric {
-            // The errors are those of a plane: the point is on the surface and N·V is computed there.
+            // The errors are those behind a plane, because the point is on the surface and N·V is computed there.
             let before = last.map_or(RoundingGrowth::NONE, |(_, growth)| growth);
             forms.push(StepForm::Aspheric(aspheric));
             let growth = before.through_plane(reach.index_ratio);
@@ -406,8 +408,9 @@ fn sphere<S: Scalar>(
     }
 }
 
-/// Returns the link between two surfaces, if a link is possible: both are strongly curved, at most the direction of
-/// travel needs a test, and rounding is amplified by no more than `limit` in the result and [`LINK_ROUNDING`] in t.
+/// Returns the link between two surfaces, if a link is possible: both surfaces are strongly curved, no test is needed
+/// except that of the direction of travel, and rounding is amplified by no more than `limit` in the result and
+/// [`LINK_ROUNDING`] in t.
 fn link(last: &CompiledSurface<'_>, surface: &CompiledSurface<'_>, limit: f64) -> Option<Link<f64>> {
     let CompiledSurface { c, n, .. } = *surface;
     if last.aspheric.is_some() {
@@ -421,8 +424,8 @@ fn link(last: &CompiledSurface<'_>, surface: &CompiledSurface<'_>, limit: f64) -
     let link = link_at(last, surface, n);
     let phi = (link.minus_2phi1.abs()).max(link.minus_2phi0.abs()) / 2.0;
     let along = link.alpha.abs().max(link.rho.abs()) * n;
-    // t is the difference of g and e over c n². φ, the sum of two nearly opposite terms, has twice the rounding error
-    // of g.
+    // t is the difference of g and e, divided by c n². φ, the sum of two nearly opposite terms, has twice the rounding
+    // error of g.
     let rounding = along.max(2.0 * phi) / (c.abs() * n * n * surface.semi);
     (along.max(phi) <= limit && rounding <= LINK_ROUNDING).then_some(link)
 }
@@ -495,7 +498,7 @@ mod tests {
                 |name| renormalisations(&Lens::at_d_line(&catalogue::find(name).expect("listed")), direction);
             let some: Vec<(&str, usize)> =
                 catalogue::names().map(|name| (name, count(name))).filter(|(_, count)| *count > 0).collect();
-            // Each has one such surface, steep and far from the one before.
+            // Each of these lenses has one such surface, which is steep and far from the previous surface.
             assert!(some.len() <= 4 && some.iter().all(|(_, count)| *count == 1), "{some:?}");
         }
     }

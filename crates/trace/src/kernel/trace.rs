@@ -1,4 +1,4 @@
-//! The algorithm: traces vectors of rays through a table step by step, each step for all of them.
+//! The algorithm, which traces vectors of rays through a table step by step, each step for all vectors.
 
 use super::{
     apertures::Apertures,
@@ -10,9 +10,9 @@ use super::{
 use realistic_base::numeric::Real;
 use realistic_simd::{Compiled, Cpu, Lanes};
 
-/// Traces vectors of rays, each behind the first surface, through all other surfaces, with the treatment `A` at their
-/// apertures and the data that they carry: the first `count` of `U` vectors, at least one. The vectors behind them are
-/// idle: their values are arbitrary, and they become blocked.
+/// Traces vectors of rays, each behind the first surface, through all other surfaces, with the treatment `A` at
+/// apertures and with the data that the rays carry. The first `count` of the `U` vectors, at least one, are traced. The
+/// remaining vectors are idle: their values are arbitrary, and their rays become blocked.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub fn through<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>, const U: usize>(
     cpu: Cpu<L>,
@@ -25,17 +25,17 @@ pub fn through<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>, const U: usize>
     if U == 1 && !L::SHARED {
         return trace_steps(cpu, table, carried, rays, states, 1);
     }
-    // Idle vectors are blocked, so that no search is made for their crossings either.
+    // Idle vectors are blocked, so that no search is made for their crossings.
     let zero = L::splat(cpu, L::Scalar::ZERO);
     for ray in rays.iter_mut().skip(count) {
         ray.keep(zero.less(zero));
     }
-    // Several vectors side by side exceed the registers and are in memory already, so that a separate function costs
+    // Several vectors side by side exceed the registers and are in memory already, so a separate function costs
     // nothing.
     L::apart(cpu, Steps { cpu, table, carried, rays, states, count });
 }
 
-/// [`trace_steps`], as work to be compiled apart.
+/// The arguments of [`trace_steps`], as work for a function of its own.
 struct Steps<'a, L: Lanes, A, C: Carried<L::Scalar>, const U: usize> {
     cpu: Cpu<L>,
     table: &'a Table<L::Scalar>,
@@ -60,10 +60,10 @@ impl<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>, const U: usize> Compiled 
     }
 }
 
-/// Traces vectors of rays through all surfaces but the first, each surface for all of them.
+/// Traces vectors of rays through all surfaces but the first, each surface for all vectors.
 ///
-/// The loops over vectors are not unrolled: a step of one vector does not wait for that of another, and the
-/// processor's out-of-order window spans several of them. Only an asphere is too long for that.
+/// The loops over vectors are not unrolled: a step of one vector does not wait for that of another, and the processor's
+/// out-of-order window spans several such steps. Only the step of an asphere is too long for the window.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn trace_steps<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>, const U: usize>(
     cpu: Cpu<L>,
@@ -74,8 +74,8 @@ fn trace_steps<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>, const U: usize>
     count: usize,
 ) {
     let count = if U == 1 { 1 } else { count };
-    // Loops, not closures, here and below: a closure that is not inlined would be compiled for another processor than
-    // its enclosing function.
+    // Here and below, loops are used rather than closures: a closure that is not inlined would be compiled without the
+    // instructions that its enclosing function may use.
     for (number, step) in (1..).zip(&table.steps[1..]) {
         for state in &mut states[..count] {
             carried.go_to(cpu, number, state);
@@ -142,8 +142,8 @@ fn trace_steps<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>, const U: usize>
                     carried.cross(cpu, number, state, &crossing);
                 }
             }
-            // Unrolled for the whole group, of which some vectors may be idle, and for a pair. Searches of edges use
-            // whole groups only.
+            // This step is unrolled for the whole group, in which some vectors may be idle, and for a pair of vectors.
+            // Searches for edges use whole groups only.
             Step::Asphere(asphere) => {
                 if U > 2
                     && A::BLOCK
@@ -192,7 +192,8 @@ fn cross<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>, const STEEP: bool, co
     }
 }
 
-/// Takes `V` vectors through an asphere, so that their sums overlap; the first `count` of them are not idle.
+/// Takes `V` vectors through an asphere together, so that their sums overlap; all but the first `count` vectors are
+/// idle.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn meet<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>, const V: usize>(
     cpu: Cpu<L>,

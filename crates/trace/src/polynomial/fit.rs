@@ -1,5 +1,5 @@
-//! Fitting of the polynomials. Takes a lens and rays from its film, and computes the coefficients by linear least
-//! squares over the rays that get through.
+//! Fit of the polynomials to a lens. The coefficients are computed by linear least squares over rays from the film that
+//! get through.
 
 use thiserror::Error;
 
@@ -37,7 +37,7 @@ pub enum FitError {
     },
 }
 
-/// A lens as polynomials of one order, film to scene.
+/// A lens as polynomials of one order, from film to scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polynomial {
     pub(super) order: usize,
@@ -58,22 +58,22 @@ pub(super) struct AperturePolynomial {
 }
 
 impl Polynomial {
-    /// Fits the polynomials to those of `rays` that pass `lens`: rays in lens space that start at or cross the film
-    /// plane `film` (z, mm). They should cover the film and pupil in use evenly; outside the range that they cover,
-    /// the polynomials are meaningless.
+    /// Fits the polynomials to those of `rays` that pass `lens`. The rays are in lens space and start at the film plane
+    /// z = `film`, mm, or cross it. They should evenly cover the part of film and pupil that is in use; outside the
+    /// range that the rays cover, the polynomials are meaningless.
     ///
     /// # Errors
-    /// If the order is not supported, or the rays do not determine the coefficients.
+    /// Returns an error if the order is not supported, or if the rays do not determine the coefficients.
     pub fn fit(lens: &Lens, film: f64, rays: &[Ray], order: usize) -> Result<Self, FitError> {
         Self::with_apertures(lens, film, rays, order, &[])
     }
 
-    /// [`Polynomial::fit`] that also fits the points where rays pass the surfaces `apertures`, counted from the
-    /// scene. [`PolynomialLens`](super::PolynomialLens) blocks rays by them. The front surface's aperture needs no
-    /// polynomials.
+    /// Fits the polynomials as [`Polynomial::fit`] does, and also fits the points where rays pass the surfaces
+    /// `apertures`, counted from the scene. [`PolynomialLens`](super::PolynomialLens) tests these points against the
+    /// apertures of the surfaces. The aperture of the front surface needs no polynomials.
     ///
     /// # Errors
-    /// The same as [`Polynomial::fit`].
+    /// Returns the same errors as [`Polynomial::fit`].
     pub fn with_apertures(
         lens: &Lens,
         film: f64,
@@ -90,28 +90,30 @@ impl Polynomial {
     }
 }
 
-/// Polynomials of every order fitted to one set of rays, each order building on the ones below.
+/// Polynomials of every order fitted to one set of rays, each order building on the lower orders.
 pub struct Fits {
     scaling: Scaling,
     front: Surface,
     /// Variables of every ray that gets through: scaled film and pupil position, and their invariants.
     variables: Vec<([f64; 2], [f64; 2], [f64; 3])>,
-    /// Equations for the points where those rays leave the lens, their directions, and the points where they pass
-    /// each aperture.
+    /// Equations for the points where those rays leave the lens, for their directions, and for the points where they
+    /// pass each aperture.
     equations: LeastSquares,
     /// The blades in each aperture.
     apertures: Vec<Option<Blades>>,
-    /// The exponents of the columns so far, by total degree; two columns each.
+    /// The exponents of the monomials that have been added so far, in ascending total degree; each monomial has two
+    /// columns.
     exponents: Vec<[usize; 3]>,
-    /// The largest total degree so far; `None` before the first.
+    /// The largest total degree that has been added so far; `None` if there is none.
     degree: Option<usize>,
 }
 
 impl Fits {
-    /// Traces the rays, as defined in [`Polynomial::with_apertures`]. `path` is the lens from film to scene.
+    /// Traces the rays, as defined in [`Polynomial::with_apertures`]. `path` is the path through the lens from film to
+    /// scene.
     pub fn new(lens: &Lens, path: &Path, film: f64, rays: &[Ray], apertures: &[usize]) -> Self {
         let last = lens.surfaces.len() - 1;
-        // The start, the exit and the points at each aperture, for every ray that gets through.
+        // The start, the exit, and the points at each aperture, of every ray that gets through.
         let (mut inputs, mut targets, mut passes) = (Vec::new(), Vec::new(), Vec::new());
         for ray in rays {
             let begun = passes.len();
@@ -157,7 +159,7 @@ impl Fits {
     /// Returns the polynomials of an order.
     ///
     /// # Errors
-    /// The same as [`Polynomial::fit`].
+    /// Returns the same errors as [`Polynomial::fit`].
     pub fn order(&mut self, order: usize) -> Result<Polynomial, FitError> {
         if !ORDERS.contains(&order) {
             return Err(FitError::Order(order));
@@ -199,7 +201,7 @@ impl Fits {
         })
     }
 
-    /// Returns a monomial times the film position, and times the pupil position.
+    /// Returns two columns: a monomial times the film position, and the same monomial times the pupil position.
     fn columns(&self, [i, j, k]: [i32; 3]) -> [Vec<f64>; 2] {
         let mut columns = [0, 1].map(|_| Vec::with_capacity(2 * self.variables.len()));
         for (x, p, [u, v, w]) in &self.variables {

@@ -1,7 +1,7 @@
 //! Linear least squares by Householder reflections (G. Golub, "Numerical methods for solving linear least squares
 //! problems", *Numerische Mathematik* 7, 1965), which lose half as many digits as the normal equations. Columns are
 //! added one after another, and a solution for the first columns is available at any time: each order of polynomials
-//! continues from the one below.
+//! continues from the next lower order.
 
 use realistic_simd::{Compiled, Simd};
 
@@ -13,27 +13,28 @@ pub struct LeastSquares {
     columns: Vec<Column>,
 }
 
-/// A column after the reflections of the columns before it: above its own row the entries of the triangle, from there
-/// on its reflector.
+/// A column after the reflections of the columns before it. Above the row of the diagonal, it contains entries of the
+/// triangle; from that row on, it contains its own reflector.
 #[derive(Clone, Debug)]
 struct Column {
     numbers: Vec<f64>,
     /// The diagonal entry of the triangle.
     pivot: f64,
-    /// Scale of the reflection, which takes x to x - `scale` (v·x) v, with v the reflector.
+    /// Scale of the reflection, which maps x to x - `scale` (v·x) v, where v is the reflector.
     scale: f64,
 }
 
-/// An error: the columns do not determine the unknowns. One is a combination of others, or they outnumber the
-/// equations.
+/// Error returned if the columns do not determine the unknowns: a column is a linear combination of others, or there
+/// are more columns than equations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Dependent;
 
-/// Remaining length over whole length of a column below which it counts as a combination of others.
+/// Ratio of the remaining length of a column to its original length below which the column counts as a linear
+/// combination of others.
 const DEPENDENT: f64 = 1e-13;
 
 impl LeastSquares {
-    /// Makes equations without columns. The right-hand sides have one length, the number of equations.
+    /// Creates equations without columns. All right-hand sides have the same length, the number of equations.
     pub fn new(sides: Vec<Vec<f64>>) -> Self {
         Self { sides, columns: Vec::new() }
     }
@@ -41,7 +42,8 @@ impl LeastSquares {
     /// Adds a column, with one number for each equation.
     ///
     /// # Errors
-    /// If the column is a combination of those before it, or there are as many columns as equations already.
+    /// Returns an error if the column is a linear combination of the columns before it, or if there are already as many
+    /// columns as equations.
     pub fn add(&mut self, mut numbers: Vec<f64>) -> Result<(), Dependent> {
         let row = self.columns.len();
         if row >= numbers.len() {
@@ -54,7 +56,7 @@ impl LeastSquares {
             return Err(Dependent);
         }
         let pivot = -length.copysign(numbers[row]);
-        // The reflector overwrites the numbers that it makes zero.
+        // The reflector overwrites the numbers that its reflection makes zero.
         numbers[row] -= pivot;
         let scale = -1.0 / (pivot * numbers[row]);
         self.columns.push(Column { numbers, pivot, scale });
@@ -64,8 +66,8 @@ impl LeastSquares {
         Ok(())
     }
 
-    /// Returns the solutions for the first `unknowns` columns that minimise the sum of the squared residuals, one for
-    /// each right-hand side.
+    /// Returns, for each right-hand side, the solution with the first `unknowns` columns that minimises the sum of the
+    /// squared residuals.
     ///
     /// # Panics
     /// If there are fewer columns than `unknowns`.
@@ -127,7 +129,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    /// Returns columns of powers of numbers spread over [-1, 1].
+    /// Returns columns with the powers of numbers that are spread over [-1, 1].
     fn powers(rows: usize, columns: i32) -> Vec<Vec<f64>> {
         let at = |row: usize| 2.0 * row as f64 / (rows - 1) as f64 - 1.0;
         (0..columns).map(|column| (0..rows).map(|row| at(row).powi(column)).collect()).collect()

@@ -1,8 +1,8 @@
-//! Polynomials instead of a kernel: map film rays to rays behind the lens, and test the apertures that block some of
-//! them.
+//! Polynomials in place of a kernel. They map film rays to rays behind the lens, and test whether apertures block a
+//! ray.
 //!
-//! Written over the kernel's vectors, of which every operation is correctly rounded, so that one ray and many give
-//! the same bits.
+//! The code is written over the kernel's vectors. Every operation on these vectors is correctly rounded, so one ray and
+//! many rays give the same bits.
 
 use super::{
     fit::{AperturePolynomial, Polynomial},
@@ -15,11 +15,11 @@ use crate::kernel::{
 use realistic_optics::trace::{Aspheric, StopFigure};
 use realistic_simd::{Available, Cpu, Lanes};
 
-/// A lens as polynomials that traces as a [`Kernel`](crate::kernel::Kernel) does: one ray or many, with the same bits.
+/// A lens as polynomials. It traces rays as a [`Kernel`](crate::kernel::Kernel) does, one or many with the same bits.
 ///
 /// A ray is blocked if it leaves the front surface outside the clear aperture, or passes one of the surfaces of
-/// [`Polynomial::with_apertures`] outside that surface's aperture; other apertures are not tested. Immutable; may be
-/// shared between threads.
+/// [`Polynomial::with_apertures`] outside that surface's aperture; other apertures are not tested. A value of this type
+/// is immutable and may be shared between threads.
 #[derive(Clone, Debug)]
 pub struct PolynomialLens<S> {
     /// z of the film, lens space, mm.
@@ -32,7 +32,7 @@ pub struct PolynomialLens<S> {
     /// The front surface's curvature, and the square of its clear semi-diameter, mm².
     curvature: S,
     aperture: S,
-    /// The profile of the front surface if it is an asphere, z along the travel.
+    /// The profile of the front surface if it is an asphere, with the z axis along the direction of travel.
     profile: Option<Profile<S>>,
     simd: Available,
 }
@@ -42,12 +42,12 @@ pub struct PolynomialLens<S> {
 struct FittedAperture<S> {
     /// E and F for each monomial.
     terms: Vec<[S; 2]>,
-    /// The figure that blades leave open in the aperture.
+    /// The figure that the blades leave open in the aperture, if it has blades.
     figure: Option<StopFigure<S>>,
 }
 
 impl<S: KernelScalar> PolynomialLens<S> {
-    /// Rounds the coefficients to `S`.
+    /// Converts polynomials, with coefficients rounded to `S`.
     pub fn new(polynomial: &Polynomial) -> Self {
         let Polynomial { order, scaling, terms, front, apertures } = polynomial;
         let round = S::from_f64;
@@ -135,7 +135,7 @@ impl<S: KernelScalar> PolynomialLens<S> {
             Some(profile) => profile.height(cpu, height),
         };
         let scale = two / qy.mul_add(qy, qx.mul_add(qx, one));
-        // Rays with NaN are blocked, too.
+        // Rays with a NaN are blocked, too.
         passed = L::both(passed, oz.less_equal(oz));
         passed = L::both(passed, scale.less_equal(two));
         End {

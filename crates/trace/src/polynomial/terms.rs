@@ -1,10 +1,10 @@
-//! The terms of the polynomials: converts a ray at the film to their variables, and evaluates the sums of monomials
-//! of these.
+//! The terms of the polynomials. This module converts a ray at the film to the variables of the polynomials, and
+//! evaluates sums of monomials in these variables.
 //!
-//! Let x be the position and s the slopes of a ray at the film, both vectors of the plane; p = s + vergence · x is
-//! the slope relative to the pupil's centre. x and p are scaled to the unit disk, so that the equations of the fit
-//! are well conditioned ([`Scaling`]). The polynomials are in u = 2 x·x - 1, v = x·p and w = 2 p·p - 1. Several are
-//! evaluated at once, by nested Horner schemes ([`sum`]).
+//! Let x be the position and s the slopes of a ray at the film, both two-dimensional vectors; p = s + vergence · x is
+//! the slope relative to the pupil's centre. x and p are scaled to the unit disk, so that the equations of the fit are
+//! well conditioned ([`Scaling`]). The polynomials are in u = 2 x·x - 1, v = x·p and w = 2 p·p - 1. Several polynomials
+//! are evaluated at once, by nested Horner schemes ([`sum`]).
 
 use realistic_optics::{lens::Ray, trace::Real};
 use realistic_simd::{Cpu, Lanes, Scalar};
@@ -12,21 +12,22 @@ use realistic_simd::{Cpu, Lanes, Scalar};
 /// Position and slopes of a ray in the film plane.
 type FilmCoordinates = ([f64; 2], [f64; 2]);
 
-/// Conversion of a ray at the film to the polynomials' variables.
+/// Conversion of a ray at the film to the variables of the polynomials.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scaling {
     /// z of the film, lens space, mm.
     pub film: f64,
     /// Vergence, 1/mm: the slope from the film position x toward the pupil's centre is -vergence · x.
     pub vergence: f64,
-    /// 1 over the largest film height, 1/mm.
+    /// Reciprocal of the largest film height, 1/mm.
     pub film_scale: f64,
-    /// 1 over the largest slope about the pupil's centre.
+    /// Reciprocal of the largest slope relative to the pupil's centre.
     pub pupil_scale: f64,
 }
 
 impl Scaling {
-    /// Fits the scaling to the film and pupil of the rays, given as positions and slopes at the film.
+    /// Fits the scaling to the range of film and pupil that the rays cover. A ray is given by its position and slopes
+    /// at the film.
     pub fn of(film: f64, rays: &[FilmCoordinates]) -> Self {
         let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
         let (product, square) =
@@ -60,7 +61,7 @@ impl Scaling {
         (x, p, [2.0 * dot(x, x) - 1.0, dot(x, p), 2.0 * dot(p, p) - 1.0])
     }
 
-    /// Returns the scaling for rays in lanes of a precision.
+    /// Returns the scaling for rays in lanes of the precision `S`.
     pub fn lane_scaling<S: Scalar>(&self) -> LaneScaling<S> {
         LaneScaling {
             vergence: S::from_f64(self.vergence),
@@ -70,7 +71,7 @@ impl Scaling {
     }
 }
 
-/// [`Scaling`], for lanes of a precision.
+/// A [`Scaling`] for lanes of the precision `S`.
 #[derive(Clone, Copy, Debug)]
 pub struct LaneScaling<S> {
     vergence: S,
@@ -79,7 +80,7 @@ pub struct LaneScaling<S> {
 }
 
 impl<S: Scalar> LaneScaling<S> {
-    /// [`Scaling::variables`] for rays from film points, mm, with slopes.
+    /// Returns [`Scaling::variables`] of rays, given by their film points, mm, and slopes.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn variables<L: Lanes<Scalar = S>>(
         &self,
@@ -117,8 +118,8 @@ pub fn exponents(degree: usize) -> Vec<[usize; 3]> {
     all
 }
 
-/// Returns the `P` sums of coefficient x u^i v^j w^k by nested Horner schemes, in the order of [`exponents`], for
-/// each of `U` vectors of rays: a coefficient is broadcast once for all vectors.
+/// Returns `P` sums of a coefficient times u^i v^j w^k for each of `U` vectors of rays, by nested Horner schemes. The
+/// terms are in the order of [`exponents`]. Each coefficient is broadcast once for all vectors.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub fn sum<L: Lanes, const P: usize, const U: usize>(
     cpu: Cpu<L>,

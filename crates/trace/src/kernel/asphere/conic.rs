@@ -1,9 +1,9 @@
-//! Conics in lanes: the quadratic in closed form.
+//! Conics in lanes: intersection by the solution of a quadratic equation in closed form.
 //!
-//! Let A = c (n² + k Vz²), g = Vz - c (x Vx + y Vy) on the vertex plane, and e = √(g² - A c u) = N·V at the hit. Then
-//! t = c u/(g + e) = (g - e)/A, the root at which the ray crosses toward the side ahead. The hit lies on the half or
-//! the sheet that contains the vertex if q > 0 there. It is the first crossing if the other root, at t + 2 e/A, does
-//! not lie between it and the ray's start.
+//! Let A = c (n² + k Vz²), g = Vz - c (x Vx + y Vy) on the vertex plane, and e = √(g² - A c u) = N·V at the hit. With
+//! these, t = c u/(g + e) = (g - e)/A, the root at which the ray crosses toward the side ahead. The hit lies on the
+//! half or the sheet that contains the vertex if q > 0 there. It is the first crossing if the other root, at t + 2 e/A,
+//! does not lie between the hit and the start of the ray.
 
 use super::{
     super::{
@@ -25,7 +25,7 @@ pub struct Normal<L> {
     pub facing: L,
     /// N·N.
     pub square: L,
-    /// Distance along the rays from the surface before, in units of V.
+    /// Distance along the rays from the previous surface, in units of V.
     pub distance: L,
 }
 
@@ -62,8 +62,9 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         self.bend_at(cpu, &conic.common, media, normal)
     }
 
-    /// Moves rays to the plane from which the surface is approached, `minus_z` plus `common.start` ahead. Returns the
-    /// distance to it and, from there, the first point where they may meet the surface, in units of V.
+    /// Moves rays to the plane from which the surface is approached, `minus_z` plus `common.start` ahead. Returns two
+    /// distances in units of V: to this plane, and from this plane to the first point where the rays may meet the
+    /// surface.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn reach_plane(&mut self, cpu: Cpu<L>, common: &Common<L::Scalar>, minus_z: L, lead: L) -> [L; 2] {
         self.go_forward(cpu);
@@ -75,7 +76,7 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
     }
 
     /// Tests the aperture and refracts at a point of the surface. V' = V + Γ N with Γ = K/(N·V + √((N·V)² + K N·N)). At
-    /// a mirror Γ = -2 N·V/N·N, and z is reversed behind it.
+    /// a mirror Γ = -2 N·V/N·N, and z is reversed behind the mirror.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn bend_at(
         &mut self,

@@ -1,5 +1,6 @@
-//! Constants of a conic and of a surface with terms, and the surface's profile in lanes. Converts a path's
-//! [`Aspheric`] to constants in the precision of the lanes, and adds the number of Newton's steps that its rays take.
+//! Constants of a conic and of a surface with terms, and the surface's profile in lanes. The [`Aspheric`] of a path is
+//! converted to constants in the precision of the lanes, with the number of steps that Newton's iteration takes at the
+//! surface.
 //!
 //! The terms T are evaluated as two polynomials in s = u/unit, u = r², and so is dT/ds ([`FigureTerms`]). The
 //! profile z(u) = c u/(1 + √(1 - (1 + k) c² u)) + T(u) is the height above the vertex plane ([`Profile`]).
@@ -45,7 +46,7 @@ pub struct LaneAsphere<S> {
     pub inside: LaneBend<S>,
     pub beyond: LaneBend<S>,
     pub by_height: bool,
-    /// Bound of q'', by which rays behind the equator are followed unless `by_height`.
+    /// Bound of q'', by which rays behind the equator are followed if `by_height` is false.
     pub equator: LaneBend<S>,
     /// The square of the clear semi-diameter, or slightly less.
     pub edge_u: S,
@@ -53,8 +54,8 @@ pub struct LaneAsphere<S> {
     /// The unit, mm².
     pub unit: S,
     pub tolerance: S,
-    /// Polynomials near twice the profile, coefficients of the highest power first. Every ray takes one step of
-    /// Newton's iteration by each, then `exact_steps` steps by the surface.
+    /// Polynomials that approximate twice the profile, with the coefficient of the highest power first. Every ray takes
+    /// one step of Newton's iteration with each polynomial, then `exact_steps` steps with the surface.
     pub approximants: Vec<Box<[S]>>,
     pub exact_steps: usize,
     pub common: Common<S>,
@@ -62,7 +63,7 @@ pub struct LaneAsphere<S> {
     pub exact: Box<Aspheric<f64>>,
 }
 
-/// A bound of φ'': at most `along` + `across` (Vx² + Vy²).
+/// A bound of φ'': φ'' is at most `along` + `across` (Vx² + Vy²).
 #[derive(Clone, Copy, Debug)]
 pub struct LaneBend<S> {
     pub along: S,
@@ -121,7 +122,7 @@ impl<S: Scalar> Common<S> {
 }
 
 impl<S: Scalar> Conic<S> {
-    /// Makes the constants of a conic in a medium of index `n`.
+    /// Builds the constants of a conic in a medium of index `n`.
     pub fn new(
         aspheric: &Aspheric<f64>,
         surface: &CompiledSurface<'_>,
@@ -150,13 +151,13 @@ impl<S: Scalar> LaneAsphere<S> {
         Self::by_plan(aspheric, Common::new(aspheric, surface, start), transfer, tolerance, &plan)
     }
 
-    /// Returns the mean of the least and the greatest z: from there the first step is half as long, and leaves a
-    /// quarter of the error.
+    /// Returns the mean of the least and the greatest z. From a plane there, the first step is half as long, and leaves
+    /// a quarter of the error.
     fn start(aspheric: &Aspheric<f64>) -> f64 {
         S::from_f64(f64::midpoint(aspheric.extent[0], aspheric.extent[1])).to_f64()
     }
 
-    /// Makes the constants for a plan that brings |G| to at most `tolerance`.
+    /// Builds the constants for a plan that brings |G| to at most `tolerance`.
     fn by_plan(
         aspheric: &Aspheric<f64>,
         common: Common<S>,
@@ -204,7 +205,7 @@ pub struct FigureTerms<S> {
 }
 
 impl<S: Scalar> FigureTerms<S> {
-    /// Makes the terms of a surface.
+    /// Builds the terms of a surface.
     pub fn new(aspheric: &Aspheric<f64>) -> Self {
         // s times a polynomial is a polynomial without a constant.
         let even: Vec<f64> = [0.0].iter().chain(&aspheric.even).copied().collect();
@@ -216,7 +217,8 @@ impl<S: Scalar> FigureTerms<S> {
         }
     }
 
-    /// Returns T and dT/ds at each s; beyond the clear aperture, those of the paraboloid that continues T.
+    /// Returns T and dT/ds at each s; beyond the clear aperture, the values are those of the paraboloid that continues
+    /// T.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn at<L: Lanes<Scalar = S>, const U: usize>(&self, cpu: Cpu<L>, s: &[L; U]) -> [[L; U]; 2] {
         let edge = L::splat(cpu, self.edge_s);
@@ -243,12 +245,13 @@ impl<S: Scalar> FigureTerms<S> {
     }
 }
 
-/// A polynomial p and its derivative, each as two polynomials in s²: p = E(s²) + s O(s²). By Horner's rule the four
-/// need as many operations as p and its derivative, but take half the time, because they do not wait for each other:
-/// a single ray has no other work to overlap.
+/// A polynomial p and its derivative, each as two polynomials in s²: p = E(s²) + s O(s²). By Horner's rule, the four
+/// polynomials need as many operations as p and its derivative, but take half the time, because they do not wait for
+/// each other. This matters for a single ray, which has no other work to overlap.
 #[derive(Clone, Debug)]
 struct FigureSplit<S> {
-    /// Coefficients of E and O, then of the derivative's two, for each power of s², the highest first.
+    /// Coefficients of E and O, then those of the two polynomials of the derivative, for each power of s², the highest
+    /// power first.
     coefficients: Box<[[S; 4]]>,
 }
 

@@ -2,9 +2,10 @@
 //! those of [`Aspheric`](realistic_optics::trace::Aspheric).
 //!
 //! A conic is intersected in closed form ([`Conic`]), a surface with terms by Newton's iteration ([`LaneAsphere`]):
-//! with the steps that `plan` chose when the lens was compiled, and with more for lanes that have not converged. If
-//! convergence or the proof then remains open in a lane, its ray goes one by one to the walk's own procedure in
-//! double precision. No lane's result depends on its neighbours, so that every width gives the same bits.
+//! with the steps that `plan` chose when the lens was compiled, and with more steps for lanes that have not converged.
+//! If convergence or the proof then remains open in a lane, the ray of that lane is traced singly, by the procedure of
+//! the walk in double precision. The result of a lane does not depend on other lanes, so every width gives the same
+//! bits.
 
 mod conic;
 mod figure;

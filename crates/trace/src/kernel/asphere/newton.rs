@@ -1,14 +1,14 @@
-//! Newton's iteration at a surface with terms, in lanes: for several vectors side by side, so that their sums
-//! overlap; then the rays that it leaves open.
+//! Newton's iteration at a surface with terms, in lanes. It runs for several vectors side by side, so that their sums
+//! overlap. Afterwards the rays that it leaves open are traced.
 //!
-//! Along a ray from (x, y) on its start plane ([`RadialPath`]), u = u0 + 2 a0 t + (Vx² + Vy²) t² and
-//! x Vx + y Vy = a0 + (Vx² + Vy²) t, so that no step needs the point itself. A step takes t to t + G/(N·V)
-//! ([`LaneContact`]). A single ray waits for each step's chain of operations, from t through s and the terms to the
-//! quotient: the order of the sums keeps it short.
+//! Along a ray from (x, y) on its start plane ([`RadialPath`]), u = u0 + 2 a0 t + (Vx² + Vy²) t² and x Vx + y Vy = a0 +
+//! (Vx² + Vy²) t, so no step needs the point itself. A step takes t to t + G/(N·V) ([`LaneContact`]). A single ray
+//! waits for each step's chain of operations, from t through s and the terms to the quotient: the order of the sums
+//! keeps it short.
 //!
-//! If apertures block rays, the rays that remain open go to the walk one by one. In searches of edges many rays pass
-//! beside a surface; these are followed side by side to the first crossing ([`LaneAsphere::follow`]), as the walk
-//! does (see [`Aspheric`](realistic_optics::trace::Aspheric)).
+//! If apertures block rays, the rays that remain open go to the walk one by one. In searches for edges, many rays pass
+//! beside a surface; these are followed side by side to the first crossing ([`LaneAsphere::follow`]), as the walk does
+//! (see [`Aspheric`](realistic_optics::trace::Aspheric)).
 
 use super::{
     super::{
@@ -30,11 +30,11 @@ struct RadialPath<L> {
     along: L,
     /// Vx² + Vy².
     across: L,
-    /// Coefficients of s = u/unit, a parabola in t; that of t² first.
+    /// Coefficients of s = u/unit, a quadratic polynomial in t; the coefficient of t² is first.
     s: [L; 3],
     /// The first t at which the ray may meet the surface.
     from: L,
-    /// Distance to the start, in units of V.
+    /// Distance to the start plane, in units of V.
     to_start: L,
 }
 
@@ -87,8 +87,8 @@ impl<S: Scalar> LaneAsphere<S> {
         let (kappa_c, half_kappa_c) = (L::splat(cpu, self.kappa_c), L::splat(cpu, self.half_kappa_c));
         let mut contacts = [LaneContact { s: one, m: c, q: one, facing: one, residual: one }; U];
         for i in 0..U {
-            // The operands that do not wait for the terms come first in each sum: N·V = q w' - c (x Vx + y Vy),
-            // w' = Vz - dT/dt.
+            // In each sum, the operands that do not wait for the terms come first. N·V = q w' - c (x Vx + y Vy), w' =
+            // Vz - dT/dt.
             let along = t[i].mul_add(paths[i].across, paths[i].along);
             let w = t[i].mul_add(rays[i].vz, start) - terms[i];
             let rise = slope[i].neg_mul_add(along * two_per_unit, rays[i].vz);
@@ -101,12 +101,12 @@ impl<S: Scalar> LaneAsphere<S> {
     }
 }
 
-/// Maximum number of steps beyond the plan, before a ray goes to the walk.
+/// Maximum number of additional steps after those of the plan, before a ray goes to the walk.
 const FURTHER_STEPS: usize = 6;
 /// Width of the widest vector.
 const WIDEST: usize = 16;
 
-/// A single vector of rays before the surface, as work to be compiled apart.
+/// A single vector of rays before the surface, as work for a function of its own.
 struct SingleVector<'a, L: Lanes, A, M> {
     cpu: Cpu<L>,
     asphere: &'a LaneAsphere<L::Scalar>,
@@ -127,8 +127,8 @@ impl<L: Lanes, A: Apertures<L>, M: Media<L>> Compiled for SingleVector<'_, L, A,
 }
 
 impl<S: Scalar> LaneAsphere<S> {
-    /// Traces rays through the surface, whose vertex lies `minus_z` ahead; `lead` is the distance that they were
-    /// moved on before, in units of V.
+    /// Traces rays through the surface, whose vertex lies `minus_z` ahead; `lead` is the distance by which the rays
+    /// were moved before, in units of V.
     ///
     /// A single vector goes through a function that all its callers share: inlined, this code would be a third of the
     /// library. Only a copy of the rays has its address taken, so that they stay in registers at the other surfaces.
@@ -160,7 +160,7 @@ impl<S: Scalar> LaneAsphere<S> {
         }
     }
 
-    /// [`Self::trace`], inlined.
+    /// Traces rays as [`Self::trace`] does, inlined.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn trace_here<L: Lanes<Scalar = S>, A: Apertures<L>, const U: usize>(
         &self,
@@ -274,7 +274,7 @@ impl<S: Scalar> LaneAsphere<S> {
         normals
     }
 
-    /// Takes a step of Newton's iteration by a polynomial near twice the profile.
+    /// Takes a step of Newton's iteration with a polynomial that approximates twice the profile.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn approach<L: Lanes<Scalar = S>, A: Apertures<L>, const U: usize>(
         &self,
@@ -313,7 +313,7 @@ impl<S: Scalar> LaneAsphere<S> {
         let u_from = path.height_squared(path.from);
         let distance = t - path.from;
         let there = contact.residual.abs().less_equal(L::splat(cpu, self.tolerance));
-        // The distance from the axis is largest at an end of the line.
+        // On a line segment, the distance from the axis is largest at an end.
         let u = contact.s * L::splat(cpu, self.unit);
         let near = L::both(u_from.less_equal(reach), u.less_equal(reach));
         let edge = L::splat(cpu, self.edge_u);
@@ -326,9 +326,9 @@ impl<S: Scalar> LaneAsphere<S> {
         L::both(L::both(L::both(there, near), L::both(first, ahead)), zero.less_equal(distance))
     }
 
-    /// Finds by the walk where the rays in `open` (one bit each) meet the surface. Returns their t, and `t` for the
-    /// other rays, with a second vector: 0 for the rays that miss the surface, else 1. `follow` skips another attempt
-    /// by Newton's iteration.
+    /// Finds, by the walk, where the rays in `open` (one bit each) meet the surface. Returns their t, with `t` for the
+    /// other rays, and a second vector: 0 for rays that miss the surface, else 1. If `follow` is set, the walk makes no
+    /// further attempt by Newton's iteration.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn one_by_one<L: Lanes<Scalar = S>, A: Apertures<L>>(
         &self,
@@ -369,24 +369,24 @@ impl<S: Scalar> LaneAsphere<S> {
     }
 }
 
-/// Maximum number of steps; a ray that takes more goes to the walk.
+/// Maximum number of steps along a followed ray; a ray that takes more steps goes to the walk.
 const STEPS: usize = 24;
-/// Factor by which rounding may move a squared distance past its bound.
+/// Factor by which rounding may make a squared distance exceed its bound.
 const BESIDE: f64 = 1.0 + 1e-6;
 
-/// Result of following rays.
+/// Result for rays that are followed.
 struct FollowedRays<L> {
-    /// t where the rays cross the surface; arbitrary for those that do not.
+    /// t where the rays cross the surface; arbitrary for rays that do not cross it.
     t: L,
-    /// Above 0 for rays that cross the surface and for those that took too many steps.
+    /// Positive for rays that cross the surface, and for rays that took too many steps.
     unblocked: L,
-    /// Bits of the rays that took too many steps.
+    /// The rays that took too many steps, one bit each.
     unresolved: u32,
 }
 
 /// The surface near a point of each followed ray.
 struct Measure<L: Lanes> {
-    /// -φ and φ', for the φ whose bend is bounded.
+    /// -φ and φ', where φ is the function whose second derivative is bounded.
     before: L,
     facing: L,
     /// Lanes where the ray is behind the equator, and φ is q.
@@ -394,7 +394,7 @@ struct Measure<L: Lanes> {
 }
 
 impl<S: Scalar> LaneAsphere<S> {
-    /// Follows the rays in `open`, one bit each.
+    /// Follows the rays in `open`, one bit each, to their first crossing of the surface.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn follow<L: Lanes<Scalar = S>, A: Apertures<L>>(
         &self,
@@ -412,12 +412,12 @@ impl<S: Scalar> LaneAsphere<S> {
         let inside = self.inside.along_rays(cpu, path.across).larger(zero);
         let beyond = self.beyond.along_rays(cpu, path.across).larger(zero);
         let equator = self.equator.along_rays(cpu, path.across).larger(zero);
-        // The first point of the ray within the reach of the bounds.
+        // The ray is followed from its first point within the reach of the bounds.
         let is_near = path.height_squared(path.from).less_equal(reach);
         let square = path.along * path.along - path.across * (path.u - reach);
         let entry = zero - (path.along + square.sqrt()) / path.across;
         let mut t = L::select(is_near, path.from, entry);
-        // 1 for rays that have not reached the surface yet (`going`), and for rays that have (`met`).
+        // `going` is 1 for rays that have not reached the surface yet, `met` is 1 for rays that have reached it.
         let mut going = L::select(is_near, one, L::select(path.from.less(entry), one, zero));
         let mut met = zero;
         for _ in 0..STEPS {
@@ -433,7 +433,7 @@ impl<S: Scalar> LaneAsphere<S> {
             going = L::select(arrives, zero, L::select(is_before, one, zero));
             let inside = L::select(behind, equator, inside);
             let beyond = L::select(behind, equator, beyond);
-            // The step leads to the point where a parabola of this bend reaches 0.
+            // The step leads to the point where a parabola with this second derivative reaches 0.
             let (twice, square) = (before + before, facing * facing);
             let by_inside = facing + inside.mul_add(twice, square).sqrt();
             let by_beyond = facing + beyond.mul_add(twice, square).sqrt();
@@ -453,8 +453,8 @@ impl<S: Scalar> LaneAsphere<S> {
             t = t + contact.residual / contact.facing;
             contact = self.contact(cpu, ray, path, t);
         }
-        // The conic's other half or sheet is not part of the surface, nor is a point where a ray comes back up
-        // through it.
+        // The other half or sheet of the conic is not part of the surface. A point where a ray comes back up through
+        // the surface does not count either.
         let is_ahead = L::both(zero.less(contact.q), zero.less(contact.facing));
         let met = L::select(is_ahead, met, zero);
         FollowedRays { t, unblocked: met.larger(going), unresolved }
@@ -471,7 +471,8 @@ impl<S: Scalar> LaneAsphere<S> {
         self.contacts(cpu, &[*ray], &[*path], &[t])[0]
     }
 
-    /// Returns -φ and φ' at t. Far below the surface q, and with it G, may have any sign; heights do not.
+    /// Returns -φ and φ' at t. Far below the surface, q and thus G may have either sign; the sign of a height is
+    /// certain.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn measure<L: Lanes<Scalar = S>, A: Apertures<L>>(
         &self,

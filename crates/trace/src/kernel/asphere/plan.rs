@@ -1,26 +1,26 @@
 //! Number and type of the steps that Newton's iteration takes at a surface, chosen by sample rays when the lens is
 //! compiled.
 //!
-//! The first steps need no more precision than they reach: they use a polynomial in s near the whole profile, at a
-//! fraction of the cost. The last steps use the surface itself. The plan is the cheapest that brings rays to a grid
-//! of points, at incidences usual in lenses, within the tolerance. Each ray is tested afterwards, and a ray that
-//! needs more steps gets them.
+//! The first steps need only low precision: they use a polynomial in s that approximates the whole profile, at a
+//! fraction of the cost. The last steps use the surface itself. The plan is the cheapest that converges within the
+//! tolerance for rays to a grid of points, at incidences usual in lenses. Afterwards every ray is tested, and a ray
+//! that needs more steps gets them.
 
 use realistic_optics::trace::Aspheric;
 
 /// The steps of Newton's iteration for every ray.
 #[derive(Clone, Debug)]
 pub struct NewtonPlan {
-    /// Polynomials near twice the profile, one step by each: coefficients of s^0, s^1, …
+    /// Polynomials that approximate twice the profile, with coefficients of s^0, s^1, …; one step is taken with each.
     pub approximants: Vec<Vec<f64>>,
-    /// Number of steps by the surface itself.
+    /// Number of steps with the surface itself.
     pub exact: usize,
 }
 
-/// Degrees of the polynomials of the first steps, and the cost of a step by each relative to one by a surface of 8
-/// terms.
+/// Degrees of the polynomials for the first steps, each with the cost of a step relative to that of a step with a
+/// surface of 8 terms.
 const DEGREES: [(usize, f64); 2] = [(2, 0.6), (5, 0.75)];
-/// Maximum number of steps by the surface.
+/// Maximum number of steps with the surface.
 const MOST_EXACT: usize = 8;
 /// Sines of the sample rays' angles to the axis in the medium before the surface.
 const SINES: [f64; 5] = [0.1, 0.2, 0.3, 0.4, 0.5];
@@ -42,8 +42,8 @@ impl NewtonPlan {
     }
 }
 
-/// Returns the number of steps by the surface, at least 1, that bring |G| to at most `tolerance` on all the rays,
-/// after one step by each of the approximants.
+/// Returns the number of steps with the surface, at least 1, that bring |G| to at most `tolerance` on all the rays,
+/// after one step with each of the approximants.
 fn exact_steps(
     aspheric: &Aspheric<f64>,
     start: f64,
@@ -54,7 +54,7 @@ fn exact_steps(
     let residual = |ProfileSample { point: [x, y], v }: &ProfileSample, t: f64| {
         aspheric.residual([*x, *y, start], *v, t)
     };
-    // t, and G and N·V there, for each ray.
+    // t, and G and N·V at t, for each ray.
     let mut iterates: Vec<(f64, [f64; 2])> = rays
         .iter()
         .map(|ray| {
@@ -76,7 +76,7 @@ fn exact_steps(
     MOST_EXACT
 }
 
-/// Returns t after one step by each of the approximants.
+/// Returns t after one step with each of the approximants.
 fn approached(
     aspheric: &Aspheric<f64>,
     start: f64,
@@ -100,7 +100,7 @@ struct ProfileSample {
     v: [f64; 3],
 }
 
-/// Returns rays in the meridional plane and across it.
+/// Returns rays in the meridional plane and inclined to it.
 fn samples(aspheric: &Aspheric<f64>, start: f64) -> Vec<ProfileSample> {
     let mut samples = Vec::new();
     for fraction in FRACTIONS {

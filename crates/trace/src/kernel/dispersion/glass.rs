@@ -1,5 +1,5 @@
-//! Dispersion formulas of glasses in lanes. Evaluates, at given wavelengths, n² minus n² at the lens's own
-//! wavelength. The difference is small, and so is its rounding error, also in single precision.
+//! Dispersion formulas of glasses in lanes. They give the difference between n² at given wavelengths and n² at the
+//! lens's own wavelength. This difference is small, and so is its rounding error, also in single precision.
 
 use realistic_base::numeric::Real;
 use realistic_optics::prescription::{
@@ -28,7 +28,7 @@ impl<L: Lanes> LightLanes<L> {
     }
 }
 
-/// A medium, by its n² at any wavelength.
+/// A medium, given by n² at any wavelength.
 #[derive(Clone, Debug)]
 pub struct LaneGlass<S> {
     /// n² at the lens's own wavelength.
@@ -41,11 +41,11 @@ pub struct LaneGlass<S> {
 enum Change<S> {
     None,
     OfSquare(Sum<S>),
-    /// The sum yields n, not n²; twice the index at the lens's own wavelength.
+    /// A sum that yields the change of n rather than n², and twice the index at the lens's own wavelength.
     OfIndex(Sum<S>, S),
 }
 
-/// A formula's terms, minus their values at the lens's own wavelength.
+/// The terms of a formula, minus their values at the lens's own wavelength.
 #[derive(Clone, Debug)]
 enum Sum<S> {
     /// (λ₀² - λ²) (Σ w/(s λ² - c) - `slope`).
@@ -75,7 +75,7 @@ struct Pole<S> {
 }
 
 impl<S: Scalar> LaneGlass<S> {
-    /// Makes a medium; `own` is the lens's own wavelength, nm.
+    /// Builds a medium; `own` is the lens's own wavelength, nm.
     pub fn new(medium: &Medium, own: f64) -> Self {
         let index = refractive_index(*medium, own);
         let change = match Dispersion::of(medium) {
@@ -150,7 +150,7 @@ impl<S: Scalar> Sum<S> {
         let one = L::splat(cpu, S::ONE);
         match self {
             Self::Poles { slope, poles } => {
-                // All poles are summed in one fraction: a division costs as much as several of their products.
+                // All poles are summed in one fraction: a division costs as much as several multiplications.
                 let (mut over, mut under) = (L::splat(cpu, S::ZERO), one);
                 for pole in poles {
                     let from = light.square.mul_sub(L::splat(cpu, pole.scale), L::splat(cpu, pole.center));
@@ -243,8 +243,8 @@ mod tests {
                     let light = LightLanes::new(OneLane::cpu(), Portable([nm as f32]), square_of_own as f32);
                     let Portable([change]) = single.change(OneLane::cpu(), &light);
                     let off = f64::from(change) - exact;
-                    // Two units in the last place of n² itself: glasses that disperse more than any real one come
-                    // near it.
+                    // The bound is two units in the last place of n² itself. Glasses that disperse more than any real
+                    // glass come near it.
                     let bound = 2.0 * f64::from(f32::EPSILON) * refractive_index(medium, nm).powi(2);
                     assert!(off.abs() < bound, "{medium:?} {own} {nm}: {change} {exact}");
                 }

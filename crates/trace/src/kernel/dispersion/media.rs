@@ -1,21 +1,21 @@
-//! The media before and behind a surface, as a step uses them: at the lens's own wavelength, with constants that the
-//! table holds ([`Own`]), or at each lane's wavelength ([`AtWavelengths`]), with a table whose constants are per n².
+//! The media before and behind a surface, as a step uses them: either at the lens's own wavelength, with constants from
+//! the table ([`Own`]), or at the wavelength of each lane, with a table whose constants are per n² ([`AtWavelengths`]).
 
 use realistic_simd::{Cpu, Lanes};
 
 /// The media at a surface.
 pub trait Media<L: Lanes>: Copy {
-    /// Returns a product of the table's constants times n².
+    /// Returns `number`, which is proportional to the table's constants, times n² if the constants are per n².
     fn times_square(self, number: L) -> L;
-    /// Returns a constant of the table over n².
+    /// Returns a constant of the table, divided by n² if the constants are per n².
     fn per_square(self, cpu: Cpu<L>, number: L::Scalar) -> L;
     /// Returns n'² - n²; `own` is its value at the lens's own wavelength.
     fn index_step(self, cpu: Cpu<L>, own: L::Scalar) -> L;
-    /// Returns the lesser of (n cos I)² and (n' cos I')²; `rarer`: n' < n at the lens's own wavelength.
+    /// Returns the lesser of (n cos I)² and (n' cos I')². `rarer` is whether n' < n at the lens's own wavelength.
     fn lesser(self, rarer: bool, before: L, after: L) -> L;
 }
 
-/// Media of the lens's own wavelength.
+/// Media at the lens's own wavelength.
 #[derive(Clone, Copy, Debug)]
 pub struct Own;
 
@@ -41,7 +41,7 @@ impl<L: Lanes> Media<L> for Own {
     }
 }
 
-/// Media of a wavelength per lane.
+/// Media at the wavelength of each lane.
 #[derive(Clone, Copy)]
 pub struct AtWavelengths<L> {
     /// n² before the surface.

@@ -1,11 +1,11 @@
-//! A lens compiled for a wavelength per lane: the kernel's steps with the media of each ray's own wavelength.
+//! A lens compiled for one wavelength per lane: the kernel's steps, with the media at each ray's own wavelength.
 //!
 //! A step needs n², 1/n² and K = n'² - n² of its two media. The table for the lens's own wavelength λ₀ has constants
-//! per n², and n² at λ is n²(λ₀) + Δ(λ), where Δ is the change of the glass's dispersion formula: a small number with
-//! a small rounding error, also in single precision.
+//! per n², and n² at λ is n²(λ₀) + Δ(λ), where Δ is the change by the glass's dispersion formula. It is a small number
+//! with a small rounding error, also in single precision.
 //!
-//! `media` supplies a step with its media; `glass` evaluates Δ in lanes; [`Dispersed`] is the medium behind each step,
-//! and what rays with wavelengths carry.
+//! `media` supplies a step with its media, and `glass` evaluates Δ in lanes. [`Dispersed`] contains the medium behind
+//! each step, and determines the data that rays with wavelengths carry.
 
 mod glass;
 mod media;
@@ -26,7 +26,7 @@ use realistic_optics::{
 };
 use realistic_simd::{Cpu, Lanes, Scalar};
 
-/// The media of a lens from film to scene, for a wavelength per ray, in numbers of type `S`.
+/// The media of a lens from film to scene, for one wavelength per ray, in numbers of type `S`.
 #[derive(Clone, Debug)]
 pub struct Dispersed<S> {
     /// The medium behind each step that refracts.
@@ -35,12 +35,13 @@ pub struct Dispersed<S> {
     own: S,
 }
 
-/// Largest factor by which a lens's n² may exceed its value at the own wavelength; an asphere's bounds allow for it.
+/// Largest factor by which n² of a medium may exceed its value at the lens's own wavelength; the bounds of an asphere
+/// allow for it.
 const MORE: f64 = 1.5;
 
 impl<S: KernelScalar> LensSteps<S, Dispersed<S>> {
-    /// Compiles a path from the film for its own `wavelength`, nm. `media` are the media on the film's side of its
-    /// surfaces, counted from the scene. The film is in air.
+    /// Compiles a path from the film for the lens's own `wavelength`, nm. `media` lists, from the scene on, the media
+    /// on the film's side of the surfaces. The film is in air.
     pub fn dispersed(path: &Path, media: &[Medium], wavelength: f64) -> Self {
         debug_assert!(path.direction() == Direction::FilmToScene);
         let mut table = Table::<S>::per_square(path, S::AMPLIFICATION);
@@ -69,9 +70,9 @@ impl<S: KernelScalar> LensSteps<S, Dispersed<S>> {
 pub struct DispersedState<L> {
     wavelengths: L,
     lanes: LightLanes<L>,
-    /// The medium behind the last surface reached, and so before the next one.
+    /// The medium behind the last surface reached, which is also before the next surface.
     here: MediumLanes<L>,
-    /// The media at that surface.
+    /// The media at the last surface reached.
     media: AtWavelengths<L>,
 }
 
