@@ -1,4 +1,4 @@
-//! The camera models: the real lens, the thick and the thin lens, and cameras like pbrt's stock cameras.
+//! The camera models: the real lens, the thick lens, the thin lens, and cameras like pbrt's stock cameras.
 //!
 //! | model | ray | weight | in |
 //! |---|---|---|---|
@@ -11,10 +11,10 @@
 //! sample represents (Kolb, Mitchell and Hanrahan 1995, eq. 2); `weighting` scales it. `stock_cameras` builds the
 //! models without a prescription.
 //!
-//! To add a model: its file here; its variant and name in `camera/model.rs`; its parameters in
-//! `camera/parameters/table.rs`, where every row lists the models that use it; and its camera in
-//! `camera/any_camera.rs`, whose matches on the model the compiler then reports. Every model provides one
-//! `pipeline::ray_maker::RayMaker`, which makes one ray, four or many.
+//! To add a model, add its file here; its variant and name in `camera/model.rs`; its parameters in
+//! `camera/parameters/table.rs`, where every row lists the models that use the parameter; and its camera in
+//! `camera/any_camera.rs`, where the compiler reports the matches on the model that must be extended. Every
+//! model provides one `pipeline::ray_maker::RayMaker`, which makes one ray, four or many.
 
 pub(crate) mod environment;
 pub(crate) mod ideal;

@@ -29,20 +29,20 @@ pub enum ParameterError {
     Unknown {
         /// The name that was given.
         name: String,
-        /// A question for the name that was probably meant, or every known name.
+        /// The name that was probably meant, as a question, or the list of all known names.
         known: String,
     },
-    /// The value is of another kind.
+    /// The value is not of the parameter's kind.
     #[error("parameter \"{name}\" takes {expected}, not {given}")]
     Kind {
         /// The parameter.
         name: &'static str,
-        /// The kind that it takes.
+        /// The kind of value that the parameter accepts.
         expected: &'static str,
         /// The value that was given.
         given: String,
     },
-    /// The value is of the right kind and outside the range.
+    /// The value is of the right kind but outside the range.
     #[error("parameter \"{name}\" is {value}; it must be {range}")]
     Range {
         /// The parameter.
@@ -57,7 +57,7 @@ pub enum ParameterError {
     Both {
         /// The first name.
         first: &'static str,
-        /// The other.
+        /// The second name.
         second: &'static str,
     },
 }
@@ -68,7 +68,7 @@ impl ParameterError {
         Self::Range { name, value: as_given(value), range: range.to_owned() }
     }
 
-    /// Returns the error of a name that is not in the list of choices.
+    /// Returns the error of a name that is not in the list of choices of parameter `name`.
     pub(super) fn unknown(name: &'static str, UnknownName { given, known }: UnknownName) -> Self {
         Self::Range { name, value: format!("\"{}\"", cut(&given)), range: known }
     }
@@ -83,7 +83,7 @@ pub enum CameraError {
     /// No lens could be read.
     #[error(transparent)]
     Source(#[from] SourceError),
-    /// The lens has no such property.
+    /// The lens lacks a property that the camera needs.
     #[error(transparent)]
     Lens(#[from] LensError),
     /// The lens cannot focus at the requested distance.
@@ -119,12 +119,12 @@ pub enum CameraError {
         /// The lens.
         lens: String,
     },
-    /// Ghosts were requested on film that is not flat across the axis.
+    /// Ghosts were requested on film that is tilted or curved.
     #[error(
         "\"ghosts\" are traced to flat film across the axis; leave out \"film_tilt_x\", \"film_tilt_y\" and \"film_curvature_radius\", or \"ghosts\""
     )]
     GhostsOnPosedFilm,
-    /// The film is larger than the sphere that it is curved along.
+    /// The film's corners lie beyond the sphere along which the film is curved.
     #[error(
         "\"film_curvature_radius\" is {} mm, and the film's corners lie {} mm from its centre; its magnitude must be more",
         as_given(*radius), short(*corner)
@@ -142,7 +142,7 @@ pub enum CameraError {
     Exposure {
         /// The parameter.
         name: &'static str,
-        /// The weights.
+        /// The weighting that was requested.
         weighting: Weighting,
     },
     /// Ghosts were requested, but the surfaces reflect nothing.
@@ -151,13 +151,13 @@ pub enum CameraError {
         as_given(*share)
     )]
     NothingReflects {
-        /// The share of the samples.
+        /// The share of the samples that was to follow ghost paths.
         share: f64,
     },
     /// The lens cannot focus so near; the distance may have been meant in other units.
     #[error("{error}; {}", units.of_focus(*given))]
     TooNear {
-        /// The error of the lens.
+        /// The error that the lens returned.
         error: FocusError,
         /// The value of `focus_distance`.
         given: f64,
@@ -176,7 +176,7 @@ pub enum CameraError {
     FilmInLens {
         /// Film distance, mm.
         film_distance: f64,
-        /// Distance of the edge of the rear element's clear aperture behind the last vertex, mm.
+        /// Distance by which the edge of the rear element's clear aperture lies behind the last vertex, mm.
         edge: f64,
     },
     /// The lens or the film reaches so far that the origins of rays do not fit in floats.
@@ -188,12 +188,12 @@ pub enum CameraError {
     TooFar {
         /// The lens.
         lens: String,
-        /// Distance from the front vertex, mm.
+        /// Largest distance of the lens or the film from the front vertex, mm.
         reach: f64,
         /// The distance in units of camera space.
         units: f64,
     },
-    /// The requested weighting does not exist for this pupil.
+    /// The requested weighting is undefined for this pupil, because the exit pupil is at infinity.
     #[error(
         "weighting \"assignment\" divides by the area of the exit pupil, which is at infinity; \
          give pupil \"rear\" or another weighting"
