@@ -1,4 +1,5 @@
-//! The pupils of the points of a rectangle of film, by x and y: for lenses and films without an axis of symmetry.
+//! The pupils of the points of a rectangle of film, tabulated by x and y, for lenses and films without
+//! rotational symmetry.
 
 use super::{
     Grid, MapConstants, MapFailure, PupilFilmSide, PupilMap,
@@ -14,13 +15,13 @@ use realistic_simd::{Cpu, Lanes, Scalar};
 pub struct RectanglePupil {
     corner: [f64; 2],
     size: [f64; 2],
-    /// Columns per mm.
+    /// Number of columns per mm.
     per_mm: f64,
     map: PupilMap,
     covered: f64,
 }
 
-/// Film points by x and y of the flat film.
+/// Film points identified by x and y of the flat film.
 struct Rectangle {
     side: PupilFilmSide,
     surface: FilmSurface,
@@ -49,8 +50,10 @@ impl Family for Rectangle {
 }
 
 impl RectanglePupil {
-    /// Tabulates the pupils of the points from `corner` on, mm, up to `size` farther along x and y, of the flat film
-    /// that `surface` places about z = `film`. `cover` is a disk that holds all of them, `exit` the paraxial exit pupil.
+    /// Tabulates the pupils of the points of a rectangle of the flat film. `corner` is the rectangle's corner
+    /// with the smallest x and y, mm; `size` is its extent along x and y. `surface` places the flat film in
+    /// space, about z = `film`. `cover` is a disk that contains all pupils; `exit` is the paraxial exit
+    /// pupil.
     pub fn new(
         path: &Path,
         film: f64,
@@ -72,8 +75,8 @@ impl RectanglePupil {
         }
     }
 
-    /// Returns the share of the rectangle over which `cover` is used instead of the pupil: light gets through there in
-    /// several components, or none does.
+    /// Returns the fraction of the rectangle for which `cover` is sampled instead of the pupil, because light
+    /// gets through in several components or not at all.
     pub fn covered(&self) -> f64 {
         self.covered
     }
@@ -83,8 +86,8 @@ impl RectanglePupil {
         self.map.constants()
     }
 
-    /// Returns the slopes at points of the flat film, mm, of points of the unit disk, the area per sample over π, and
-    /// the mask of points inside the rectangle.
+    /// Returns the slopes that correspond to points of the unit disk, for points of the flat film in mm; the
+    /// area per sample divided by π; and the mask of film points inside the rectangle.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn lanes<L: Lanes>(
         &self,
@@ -99,8 +102,8 @@ impl RectanglePupil {
         (slopes, area, is_inside)
     }
 
-    /// Returns the areas per sample, over π, of rays with slopes from points of the flat film, mm, NaN outside the
-    /// pupil; and the mask of points inside the rectangle.
+    /// Returns the areas per sample, divided by π, of rays with given slopes from points of the flat film, mm
+    /// (NaN outside the pupil), and the mask of film points inside the rectangle.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn areas<L: Lanes>(
         &self,
@@ -115,8 +118,8 @@ impl RectanglePupil {
         (area, is_inside)
     }
 
-    /// Returns points of the flat film as distances along x and columns, held inside the rectangle, and the mask of
-    /// points that are inside.
+    /// Returns points of the flat film as distances along x and columns, clamped to the rectangle, and the
+    /// mask of the points that were inside the rectangle.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn located<L: Lanes>(&self, cpu: Cpu<L>, [x, y]: [L; 2]) -> ([L; 2], L::Mask) {
         let number = |number: f64| L::splat(cpu, L::Scalar::from_f64(number));
@@ -124,7 +127,7 @@ impl RectanglePupil {
         let (along, up) = (x - number(self.corner[0]), y - number(self.corner[1]));
         let is_across = L::both(zero.less_equal(along), along.less_equal(width));
         let is_inside = L::both(is_across, L::both(zero.less_equal(up), up.less_equal(height)));
-        // In this order NaN becomes 0.
+        // With this order of operands, NaN becomes 0.
         ([along.larger(zero).smaller(width), up * number(self.per_mm)], is_inside)
     }
 }
@@ -151,7 +154,7 @@ mod tests {
         for k in 0..20_u32 {
             let at = |step: f64| (0.5 + f64::from(k) * step).fract();
             let point = [1.0 + 13.0 * at(STEPS[0]), -8.0 + 12.0 * at(STEPS[1])];
-            // Area of the pupil, and number of samples that pass, by either map.
+            // The area of the pupil, and the number of samples that pass, for each of the two maps.
             const SAMPLES: u32 = 4000;
             let (mut areas, mut passing) = ([0.0; 2], [0; 2]);
             for i in 0..SAMPLES {
