@@ -142,7 +142,8 @@ fn choose(zones: &[Zone], answers: &[Option<f64>], rule: Rule, raster: Raster) -
     }
 }
 
-/// Returns the parameters without any focus setting, and their camera focused at infinity.
+/// Checks that the parameters have no focus setting, and returns their camera focused at infinity and its
+/// [`Focus`].
 fn start(
     parameters: &Parameters,
     host: &Host,

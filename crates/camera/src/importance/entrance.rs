@@ -127,7 +127,7 @@ impl Pencil for ScenePencil<'_> {
         found
     }
 
-    /// Returns a disk that holds the front surface.
+    /// Returns a disk that contains the front surface.
     fn cover(&self) -> SlopeDisk {
         let most = 4.0 * self.side.lead;
         let ring = |&[height, z]: &[f64; 2]| -> Vec<[f64; 2]> {

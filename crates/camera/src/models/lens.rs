@@ -1,5 +1,5 @@
-//! The realistic camera: turns a sample into a ray through every interface of the lens (Kolb, Mitchell and Hanrahan
-//! 1995).
+//! The realistic camera, which traces a sample's ray through every surface of the lens (Kolb, Mitchell and
+//! Hanrahan 1995).
 
 use std::sync::Arc;
 
@@ -34,7 +34,7 @@ use realistic_trace::field::Field;
 pub struct RealisticCamera {
     facts: Facts,
     body: CameraBody,
-    /// The disk that holds every pupil.
+    /// The disk that contains the pupils of all film points.
     rear: PupilDisk,
     /// The path through the lens from film to scene, used to find the reason why a sample has no ray.
     path: Path,

@@ -223,9 +223,9 @@ pub enum CameraError {
     /// The raster has no pixels.
     #[error("the image is {xres} x {yres} pixels; both must be 1 or more")]
     Raster {
-        /// Pixels across.
+        /// Number of pixel columns.
         xres: i32,
-        /// Pixels down.
+        /// Number of pixel rows.
         yres: i32,
     },
 }

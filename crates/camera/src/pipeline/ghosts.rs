@@ -44,7 +44,7 @@ pub struct GhostRays {
     /// Share of the samples that follow ghost paths.
     share: f64,
     ghosts: FilmGhosts,
-    /// The disk that holds all rays through the rear surface.
+    /// The disk that contains all rays through the rear surface.
     cover: PupilDisk,
     /// The camera's body; the rays of its film have weights.
     body: CameraBody,

@@ -13,11 +13,11 @@
 //! vectors of samples to finished rays:
 //!
 //! 1. **Film and pupil** (`film_sampling`). With s mm per pixel, the film point is x = (xres/2 - imageX) s, y
-//! = (imageY - yres/2) s; the signs cancel the inversion of the image by the lens. The disk mapping takes (u,
-//! v) to the unit disk; the pupil mapping takes the disk to slopes dx/dz and dy/dz. J is the Jacobian
-//! determinant of the pupil mapping: a sample represents the slope area π J.
+//!    = (imageY - yres/2) s; the signs cancel the inversion of the image by the lens. The disk mapping takes
+//!    (u, v) to the unit disk; the pupil mapping takes the disk to slopes dx/dz and dy/dz. J is the Jacobian
+//!    determinant of the pupil mapping: a sample represents the slope area π J.
 //! 2. **Lens**, through the trait `Optics`, by one of three tracers: the table of surfaces, where rays may
-//! carry a wavelength, their light or both; polynomials; or an ideal lens (`ideal`).
+//!    carry a wavelength, their light or both; polynomials; or an ideal lens (`ideal`).
 //! 3. **Finish**. The irradiance at a film point is E = ∫ L cos⁴θ d(slopes), θ being the angle to the axis at the film
 //!    (Kolb, Mitchell and Hanrahan 1995, equation 2). The weight is the one-sample Monte Carlo estimate of E, divided by L:
 //!

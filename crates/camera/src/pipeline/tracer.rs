@@ -8,8 +8,8 @@ use crate::{
     sampling::film_rays::FilmRays,
 };
 
-/// A camera model compiled for one method of tracing: turns samples into world rays. The columns of samples and rays are
-/// slices.
+/// A camera model compiled for one method of tracing, which makes world rays from samples. The columns of
+/// samples and rays are slices.
 pub trait Tracer: Send + Sync {
     /// Writes the origin, direction and weight of each sample's ray, and the ray's range if the model
     /// determines it. For a blocked ray, only the weight 0 is written. The number of samples does not change

@@ -32,7 +32,7 @@ pub struct Interpolated<S> {
     shutter: [f32; 2],
     start: S,
     duration: S,
-    /// Position of the origin at both ends.
+    /// Position of the camera-space origin at both ends of the motion.
     origins: [[S; 2]; 3],
     /// Coefficients of the six factors for each entry of the matrix, by rows.
     linear: [[[S; 6]; 3]; 3],

@@ -46,8 +46,9 @@ impl From<CameraToWorld> for CameraMotion {
 }
 
 impl CameraMotion {
-    /// Returns the motion from the transform `from` at time `start` to `to` at time `end`, which is later; the camera
-    /// is still before and after. A turn by half a circle is ambiguous; one of the two directions is taken.
+    /// Returns the motion from the transform `from` at time `start` to the transform `to` at the later time
+    /// `end`; the camera is at rest before and after. If the rotation between them is by half a turn, its
+    /// direction is ambiguous, and one of the two directions is chosen.
     ///
     /// # Errors
     /// [`TransformError::Times`] or [`TransformError::Mirrored`].

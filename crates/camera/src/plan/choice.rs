@@ -196,8 +196,9 @@ fn largest_order(candidates: &[Candidate], fit: bool) -> usize {
     orders.max().unwrap_or(1)
 }
 
-/// Lists every candidate: polynomials that test the given number of apertures, in single precision if the lens is `fit`
-/// for it, unless rays carry their light or begin on tilted or curved film; and the exact kernel in both precisions.
+/// Lists every candidate. Polynomials test the given number of apertures and use single precision if the lens
+/// is `fit` for it; there are none if rays carry their light or begin on tilted or curved film. The exact
+/// kernel is listed in both precisions.
 fn candidates(task: &Task<'_>, fit: bool, apertures: usize) -> Vec<Candidate> {
     let (simd, surfaces) = (Simd::best(), cost::in_spheres(task.lens));
     let precision = if fit { Precision::F32 } else { Precision::F64 };
