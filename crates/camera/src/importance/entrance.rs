@@ -59,8 +59,8 @@ struct SceneSide<'a> {
 }
 
 impl<'a> SceneSide<'a> {
-    /// Prepares the path from scene to film, without blades, for the film at z = `film` and E at z =
-    /// `reference`.
+    /// Prepares the path from scene to film, without blades, for the film at z = `film` and E at
+    /// z = `reference`.
     fn new(path: &Path, front: &'a Front, film: f64, pupil: &EntrancePupil, reference: f64) -> Self {
         let [low, high] = front.surface.sagitta_range();
         let fine = intervals(path);

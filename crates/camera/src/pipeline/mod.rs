@@ -25,12 +25,12 @@
 //!    w = f T π J cos⁴θ
 //!    ```
 //!
-//! With `transmission`, T is the fraction of its light that the ray still carries; otherwise T = 1. The
-//! parameter `weighting` selects f: 1 for `radiometric`; for `assignment` 1/A, where A is the area of the
-//! rear clear aperture if that is sampled, and otherwise the area of the exit pupil; for `relative` the
-//! reciprocal of E on the axis. `none` sets w = 1. The w of a valid ray is at least `f32::MIN_POSITIVE`; w =
-//! 0 marks a rejected sample. Finally the camera-to-world transform is applied, and
-//! [`Rays::store`](crate::rays::Rays) writes the result to the output columns.
+//!    With `transmission`, T is the fraction of its light that the ray still carries; otherwise T = 1. The
+//!    parameter `weighting` selects f: 1 for `radiometric`; for `assignment` 1/A, where A is the area of the
+//!    rear clear aperture if that is sampled, and otherwise the area of the exit pupil; for `relative` the
+//!    reciprocal of E on the axis. `none` sets w = 1. The w of a valid ray is at least `f32::MIN_POSITIVE`;
+//!    w = 0 marks a rejected sample. Finally the camera-to-world transform is applied, and
+//!    [`Rays::store`](crate::rays::Rays) writes the result to the output columns.
 //!
 //! # Other tracers
 //!

@@ -104,9 +104,9 @@ impl MotionParts {
 }
 
 /// Returns the rotation of the polar decomposition of a matrix with positive determinant, by Newton's
-/// iteration Q ← (γ Q + Q⁻ᵀ/γ)/2 with γ = |det Q|^(-1/3) (N. Higham, "Computing the Polar Decomposition -
-/// with Applications", *SIAM J. Sci. Stat. Comput.* 7(4), 1986; scaling by the determinant: Byers and Xu,
-/// 2008). The iteration converges quadratically.
+/// iteration Q ← (γ Q + Q⁻ᵀ/γ)/2 with γ = |det Q|^(-1/3) (N. Higham, "Computing the Polar
+/// Decomposition - with Applications", *SIAM J. Sci. Stat. Comput.* 7(4), 1986; scaling by the determinant:
+/// Byers and Xu, 2008). The iteration converges quadratically.
 fn nearest_rotation(matrix: DMat3) -> DMat3 {
     const ENOUGH: u32 = 64;
     let mut q = matrix;

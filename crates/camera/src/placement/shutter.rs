@@ -2,11 +2,11 @@
 //! t.
 //!
 //! Times are fractions of the interval from `shutter_open` to `shutter_close`, which a host samples
-//! uniformly. The efficiency of the shutter is the mean of S over these times: 1 for a global shutter, 1 -
-//! ramp for a leaf shutter, and the slit's share of the interval for a focal-plane shutter. The efficiency
-//! times the interval is the effective exposure time (S. F. Ray, *Applied Photographic Optics*, 3rd ed. 2002,
-//! ch. 61). If `shutter_close` is earlier than `shutter_open`, time and its fractions run backward, as in
-//! pbrt's stock cameras.
+//! uniformly. The efficiency of the shutter is the mean of S over these times: 1 for a global shutter,
+//! 1 - ramp for a leaf shutter, and the slit's share of the interval for a focal-plane shutter. The
+//! efficiency times the interval is the effective exposure time (S. F. Ray, *Applied Photographic Optics*,
+//! 3rd ed. 2002, ch. 61). If `shutter_close` is earlier than `shutter_open`, time and its fractions run
+//! backward, as in pbrt's stock cameras.
 
 /// A kind of shutter.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

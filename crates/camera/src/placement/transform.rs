@@ -66,8 +66,8 @@ impl CameraToWorld {
         Self { linear: DMat3::IDENTITY, origin: DVec3::ZERO, is_identity: true, is_rigid: true };
 
     /// Returns the transform of a row-major 4x4 matrix that multiplies column vectors; the matrix may reflect
-    /// and scale. A last row within rounding of 0 0 0 1, as a single-precision inverse has, counts as 0 0 0
-    /// 1.
+    /// and scale. A last row within rounding of 0 0 0 1, as a single-precision inverse has, counts as 0 0
+    /// 0 1.
     ///
     /// # Errors
     /// The matrix is not an invertible affine transform whose results fit in single precision.

@@ -64,9 +64,9 @@ impl PupilDisk {
         if !(nearest > 0.0 && nearest + ends[0] > 0.0) {
             return None;
         }
-        // From film height h, a point of the surface at height r and sagitta s projects to (r Z + h s)/(Z +
-        // s). Over the surface and the film, the magnitude of this is largest at the edge of both. If s > 0,
-        // h is on the same side of the axis as that edge of the surface; if s < 0, on the other side.
+        // From film height h, a point of the surface at height r and sagitta s projects to (r Z + h
+        // s)/(Z + s). Over the surface and the film, the magnitude of this is largest at the edge of both. If
+        // s > 0, h is on the same side of the axis as that edge of the surface; if s < 0, on the other side.
         // Otherwise it is largest at s = 0.
         let projected = |height: f64, sagitta: f64| {
             let from = |distance: f64| {

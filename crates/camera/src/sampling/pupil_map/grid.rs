@@ -69,8 +69,8 @@ pub struct Grid {
     pub ends: Vec<f64>,
     /// Whether no light gets through beyond the ends. If so, the first parameter is mapped to s.
     pub dark_beyond: bool,
-    /// Whether the widths of rows shrink toward the ends in proportion to 1 - s, and are stored divided by 1
-    /// - s. Covers do not shrink.
+    /// Whether the widths of rows shrink toward the ends in proportion to 1 - s, and are stored divided by
+    /// 1 - s. Covers do not shrink.
     pub is_tapered: bool,
     /// Number of intervals of the first parameter and of the second.
     pub intervals: [usize; 2],

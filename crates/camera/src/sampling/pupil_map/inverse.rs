@@ -2,7 +2,7 @@
 //! that point.
 //!
 //! The map preserves the order of rows, so bisection finds the two knots on either side of a given y. Between
-//! these knots eta is linear in t(|Y|), which gives Y; m and g at this Y then give X.
+//! these knots eta is linear in |Y|, which gives Y; m and g at this Y then give X.
 
 use super::{CELLS, GridLocation, PupilMap};
 use realistic_base::numeric::Real;

@@ -56,8 +56,8 @@ use self::slice::{CELLS, Slice, knot};
 use realistic_base::numeric::Real;
 use realistic_simd::{Cpu, Lanes, Scalar};
 
-/// Pairs of numbers per cell: for each of eta, m and g, the value at |Y| = 1 and the slope with respect to 1
-/// - |Y|.
+/// Pairs of numbers per cell: for each of eta, m and g, the value at |Y| = 1 and the slope with respect to
+/// 1 - |Y|.
 const PAIRS: usize = 3;
 /// Number of pairs per half of a map, which extends from the disk's middle row to one end.
 const HALF: usize = PAIRS * CELLS;
