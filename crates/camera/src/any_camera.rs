@@ -43,7 +43,7 @@ pub struct Camera {
     /// Width and height of the image, pixels.
     resolution: [f32; 2],
     crop: Crop,
-    /// The adjoint camera, once a call has requested it.
+    /// The adjoint camera, which is built when a call first requests it.
     adjoint: OnDemand<Result<Arc<AdjointCamera>, ImportanceError>>,
 }
 
@@ -71,7 +71,7 @@ impl Camera {
     /// parameters that the model does not use.
     ///
     /// # Errors
-    /// A parameter or the lens file is invalid; the message names the fault and what to give instead.
+    /// A parameter or the lens file is invalid; the message names the error and what to give instead.
     pub fn build(parameters: &Parameters, host: &Host, log: Log<'_>) -> Result<Self, CameraError> {
         Self::build_from(None, parameters, host, log)
     }
@@ -261,7 +261,8 @@ impl Camera {
         }
     }
 
-    /// Traces the ray of a sample, with its weight, and its neighbours as in [`Camera::trace`]; `None` if the ray is blocked.
+    /// Traces the ray of a sample and its neighbours as in [`Camera::trace`], and returns them with the ray's
+    /// weight; `None` if the ray is blocked.
     pub fn ray_differential(&self, sample: &Sample) -> Option<(RayDifferential, f32)> {
         let mut rays = FourRays::NONE;
         self.trace_neighbours(sample, None, &mut rays);
@@ -384,7 +385,8 @@ impl Camera {
         plan
     }
 
-    /// Returns the times at which the shutter begins to open and has closed, in the host's unit of time.
+    /// Returns the time at which the shutter begins to open and the time at which it has closed, in the
+    /// host's unit of time.
     pub fn shutter_interval(&self) -> [f32; 2] {
         self.rays.placement().shutter
     }

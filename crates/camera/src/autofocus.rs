@@ -45,7 +45,7 @@ pub enum Rule {
 }
 
 impl Rule {
-    /// Every rule with its name, in the order of their numbers in the C ABI.
+    /// Every rule with its name, in the order of the rules' numbers in the C ABI.
     pub const NAMES: [(&'static str, Self); 3] =
         [("nearest", Self::Nearest), ("centre", Self::Centre), ("average", Self::Average)];
 }
@@ -111,7 +111,7 @@ impl Zone {
     }
 }
 
-/// Checks that at least one zone is given and that all lie in the picture.
+/// Checks that at least one zone is given and that all zones lie in the picture.
 fn check(zones: &[Zone], Raster { xres, yres }: Raster) -> Result<(), AutofocusError> {
     if zones.is_empty() {
         return Err(AutofocusError::NoZones { xres, yres });
@@ -124,7 +124,7 @@ fn check(zones: &[Zone], Raster { xres, yres }: Raster) -> Result<(), AutofocusE
     }
 }
 
-/// Combines the zones' film distances into one by the rule.
+/// Combines the zones' film distances into one film distance by the rule.
 fn choose(zones: &[Zone], answers: &[Option<f64>], rule: Rule, raster: Raster) -> Option<f64> {
     let answered = || zones.iter().zip(answers).filter_map(|(zone, answer)| Some((zone, (*answer)?)));
     match rule {

@@ -19,7 +19,7 @@ const FOUR: usize = 4;
 pub struct Strided<T = f32> {
     /// Address of the first number; null if the column is missing.
     first: *mut T,
-    /// Bytes from one number to the next.
+    /// Distance in bytes from one number to the next.
     stride: isize,
 }
 
@@ -45,7 +45,7 @@ impl<T: Copy> Strided<T> {
         self.first.wrapping_byte_offset((i as isize).wrapping_mul(self.stride))
     }
 
-    /// Describes the column without its first `i` numbers.
+    /// Describes the part of the column that begins at number `i`.
     #[inline(always)]
     pub fn from(self, i: usize) -> Self {
         Self { first: if self.is_there() { self.at(i) } else { self.first }, ..self }

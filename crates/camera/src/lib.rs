@@ -8,7 +8,7 @@
 //! | type | is |
 //! |---|---|
 //! | [`Parameters`], [`Host`] | settings by name; pixels, transform and search path |
-//! | [`CameraBuilder`] | both, with a method for each setting |
+//! | [`CameraBuilder`] | builder of parameters and host data, with a method for each setting |
 //! | [`Model`] | the kind of camera |
 //! | [`Plan`](plan::Plan) | the parts that a camera keeps and leaves out |
 //! | [`Camera`] | the camera; immutable and thread-safe |

@@ -65,7 +65,7 @@ pub enum Outcome {
     /// ([`DiskMapping::Rejection`](crate::sampling::DiskMapping::Rejection)); the caller has to retry with a
     /// new lens sample.
     Redraw,
-    /// The shutter is closed over the film point at this time: weight 0.
+    /// The shutter is closed at this film point and time: weight 0.
     Shut,
     /// The wavelength is not a number, is out of range, or is one at which a glass has no refractive index:
     /// weight 0.

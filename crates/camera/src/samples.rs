@@ -275,7 +275,7 @@ impl<'a> Samples<'a> {
         unsafe { Self::raw(columns, 1, 1) }
     }
 
-    /// Replaces one of the five columns.
+    /// Replaces one of the five columns of samples.
     ///
     /// # Panics
     /// The columns are not slices, or the new column differs in length.

@@ -17,7 +17,7 @@ use realistic_optics::lens::Ray;
 use realistic_simd::{Available, Cpu, Lanes};
 use realistic_trace::kernel::LensRays;
 
-/// The optics that take rays from the front of the lens to the film, in camera space.
+/// The optics that trace rays from the front of the lens to the film, in camera space.
 #[derive(Clone, Debug)]
 enum AdjointOptics {
     Lens(Box<AdjointLens>),

@@ -152,7 +152,7 @@ impl ArrivingRays {
         self.put_we(i, we);
     }
 
-    /// Sets the importance of a ray, if it has any.
+    /// Sets the importance of a ray; for `None`, sets it to 0.
     pub(crate) fn put_we(&mut self, i: usize, we: Option<FilmWe>) {
         let FilmWe { raster: [x, y], weight, density } = we.unwrap_or_default();
         self.traced.put(i, [x, y, weight], [density, 0.0, 0.0]);

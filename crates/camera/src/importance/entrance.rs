@@ -150,7 +150,7 @@ impl Pencil for ScenePencil<'_> {
     }
 }
 
-/// The projection centre E, and the distance from it to the front.
+/// The projection centre E and the distances from it to the points of the front surface.
 #[derive(Clone, Debug)]
 struct ProjectionCenter {
     reference: f64,

@@ -6,11 +6,11 @@ use realistic_optics::{
 };
 use realistic_simd::{Cpu, Lanes, OneLane, Portable};
 
-/// The front surface, and the depth of the lens behind it.
+/// The front surface of a lens and the z of the rear vertex.
 #[derive(Clone, Debug)]
 pub(super) struct Front {
     pub surface: Surface,
-    /// The lens for rays from the scene; only its first surface is intersected.
+    /// The path through the lens for rays from the scene; rays are intersected only with its first surface.
     path: Path,
     /// z of the foremost point of the front surface.
     foremost: f64,

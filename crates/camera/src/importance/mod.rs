@@ -106,7 +106,7 @@ pub enum ImportanceError {
         /// Advice to the user.
         advice: &'static str,
     },
-    /// The rays are so nearly parallel that single precision does not hold their density.
+    /// The rays are so nearly parallel that their density does not fit in single precision.
     #[error(
         "model \"{model}\" is focused so far away that its rays are parallel in single precision, and has no importance; give \
          \"focal_distance\" up to {farthest}"

@@ -43,7 +43,7 @@ impl Pose {
         1e-6 * size * largest_entry(self.to_camera)
     }
 
-    /// Transforms a direction of the world to camera space; its length changes.
+    /// Transforms a direction of the world to camera space; the length of the direction may change.
     pub fn direction(&self, world: [f64; 3]) -> [f64; 3] {
         (self.to_camera * DVec3::from(world)).into()
     }

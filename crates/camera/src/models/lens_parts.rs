@@ -157,7 +157,7 @@ pub(super) struct Tracers {
 }
 
 impl Tracers {
-    /// Adds ghosts, which take a share of the samples.
+    /// Adds ghosts, which a share of the samples follows.
     pub fn with_ghosts(self, ghosts: &Arc<GhostRays>) -> Self {
         let [one, many] = [self.one, self.many].map(|direct| -> Arc<dyn LensTracer> {
             Arc::new(GhostTracer::new(direct, ghosts.clone(), None))

@@ -3,8 +3,8 @@
 //! | model | ray | weight | in |
 //! |---|---|---|---|
 //! | `lens` | through every surface of the lens | A cos⁴θ'/Z² | `lens`, its parts in `lens_parts` |
-//! | `thick`, `thin` | to the exit pupil, and on as first-order optics has it | A cos⁴θ'/Z² | `ideal` |
-//! | `perspective`, `orthographic` | as pbrt's, by the transforms between its spaces | 1 | `projective`, `spaces` |
+//! | `thick`, `thin` | to the exit pupil, then by first-order optics | A cos⁴θ'/Z² | `ideal` |
+//! | `perspective`, `orthographic` | as in pbrt, by transforms between spaces | 1 | `projective`, `spaces` |
 //! | `environment` | every direction, by spherical coordinates | 1 | `environment` |
 //!
 //! A cos⁴θ'/Z² is the integrand of the film's irradiance E(x') = 1/Z² ∫ L cos⁴θ' dA'' times the area A that a lens

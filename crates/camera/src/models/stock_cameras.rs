@@ -37,7 +37,8 @@ pub struct StockCamera {
     pub rays: RayMaker,
     /// Mapping of lens samples to the disk; `None` without a lens.
     pub mapping: Option<DiskMapping>,
-    /// The adjoint camera and the area of its lens, or the reason why it has no importance.
+    /// The linear rays of the adjoint camera and the area of its lens, or the reason why the camera has no
+    /// importance.
     adjoint: Result<(Linear, f64), ImportanceError>,
 }
 

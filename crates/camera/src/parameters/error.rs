@@ -63,7 +63,7 @@ pub enum ParameterError {
 }
 
 impl ParameterError {
-    /// Returns the error of a number outside its range, which is given in words.
+    /// Returns the error of a number outside its range; `range` describes the range in words.
     pub fn out_of_range(name: &'static str, value: f64, range: &str) -> Self {
         Self::Range { name, value: as_given(value), range: range.to_owned() }
     }
@@ -92,7 +92,7 @@ pub enum CameraError {
     /// The groups of the lens cannot be placed as requested.
     #[error(transparent)]
     Moving(#[from] MovingError),
-    /// The film is requested both to move and to stay.
+    /// The parameters request that the film moves and also that it stays in place.
     #[error(
         "\"film_distance\" moves the film, and \"focus_by\" \"group\" leaves it where the lens file has it; give \
          \"focus_distance\", or leave out \"focus_by\""
@@ -110,7 +110,7 @@ pub enum CameraError {
         /// The lens.
         lens: String,
     },
-    /// The coatings of the lens file were requested, but it names none.
+    /// The coatings of the lens file were requested, but the lens file names none.
     #[error(
         "\"transmission\" is \"file\", and lens \"{lens}\" names no coatings; give it lines \"coating ROW NAME\", or another \
          \"transmission\", such as \"quarter-wave\""
@@ -214,10 +214,10 @@ pub enum CameraError {
         short(*weight)
     )]
     Weight {
-        /// The larger of a ray's weight and its factor.
+        /// The larger of a ray's weight and the factor of the weight.
         weight: f64,
     },
-    /// The camera transform is not affine, or no motion leads from one transform to the other.
+    /// The camera transform is not affine, or its motion is not defined.
     #[error("the camera transform {0}")]
     Transform(#[from] TransformError),
     /// The raster has no pixels.
@@ -233,7 +233,7 @@ pub enum CameraError {
 impl CameraError {
     /// Returns the error of film so near that it would touch the rear element.
     pub fn film_in_lens(lens: &Lens, film_distance: f64) -> Self {
-        // Avoids `-0`: a plane reaches no farther than its vertex.
+        // The subtraction avoids `-0`: a plane reaches no farther than its vertex.
         let edge = 0.0 - lens.rear().sagitta_range()[0];
         Self::FilmInLens { film_distance, edge }
     }

@@ -355,8 +355,9 @@ impl Parameters {
     /// Sets one parameter by name or alias.
     ///
     /// # Errors
-    /// The name is unknown, the value is of another kind, NaN or an unknown name, or the parameter was already given
-    /// under its other name. If it is given again under the same name, the last value wins.
+    /// The name is unknown; the value is of another kind, NaN or an unknown name; or the parameter was
+    /// already given under its other name. If a parameter is given again under the same name, the last value
+    /// wins.
     pub fn set(&mut self, name: &str, value: Value<'_>) -> Result<(), ParameterError> {
         let row = Self::find(name).ok_or_else(|| Self::unknown(name))?;
         let second = row.names().find(|own| *own == name).expect("a name of this row");

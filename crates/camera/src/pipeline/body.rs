@@ -106,7 +106,7 @@ impl<S: KernelScalar> LaneBody<S> {
         // This comparison is false for NaN.
         let passed = L::both(passed, area_per_pi.less_equal(area_per_pi));
         let weight = match self.weight {
-            // The weight of a ray that passes must not underflow to that of a blocked ray.
+            // The weight of a ray that passes must not underflow to 0, the weight of a blocked ray.
             Some(weight) => ((cos2 * cos2) * ((area_per_pi * left) * L::splat(cpu, weight)))
                 .larger(L::splat(cpu, S::from_f64(f32::MIN_POSITIVE.into()))),
             None => L::splat(cpu, S::ONE),

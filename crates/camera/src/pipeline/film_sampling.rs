@@ -153,8 +153,8 @@ impl<S: KernelScalar> FilmSampling<S> {
         [x.neg_mul_add(pixel, L::splat(cpu, self.axis[0])), y.mul_sub(pixel, L::splat(cpu, self.axis[1]))]
     }
 
-    /// Returns the square of a sample's film radius, mm², as [`FilmRays::radius_squared`] computes it in lanes of any
-    /// width.
+    /// Returns the square of a sample's film radius, mm², with the same bits as [`FilmRays::radius_squared`]
+    /// in lanes of any width.
     pub fn radius_squared(&self, sample: &Sample) -> S {
         let point = self.point(Portable::cpu(), lane(sample, None).image);
         let ray = FilmRays { point, disk: point, slopes: point, area_per_pi: point[0] };

@@ -83,7 +83,7 @@ where
     }
 }
 
-/// One call: the samples, and the columns of their world rays.
+/// The state of one call: the samples, and the columns of their world rays.
 struct PipelinePass<'a, 'b, 'c, S, O> {
     pipeline: &'a Pipeline<S, O>,
     samples: &'a Samples<'b>,

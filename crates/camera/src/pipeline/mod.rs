@@ -1,4 +1,4 @@
-//! From samples to world rays: the same loop for one ray and for a million.
+//! From samples to world rays; one ray and a million rays use the same loop.
 //!
 //! # The path of a ray
 //!
@@ -45,9 +45,9 @@
 //!
 //! | type | is |
 //! |---|---|
-//! | [`Sample`](crate::Sample), [`WorldRay`](crate::WorldRay) | one, as pbrt's |
-//! | [`Samples`](crate::Samples), [`Rays`](crate::Rays) | one, or a caller's columns |
-//! | `Columns`, `FourRays` | internal columns, up to 128 and four |
+//! | [`Sample`](crate::Sample), [`WorldRay`](crate::WorldRay) | one sample, one ray, with pbrt's layout |
+//! | [`Samples`](crate::Samples), [`Rays`](crate::Rays) | one sample or ray, or a caller's columns of them |
+//! | `Columns`, `FourRays` | internal columns, of up to 128 elements and of four rays |
 //! | `SampleLanes` | a vector of samples |
 //! | `FilmRays` | rays at the film |
 //! | `Start`, `RayLanes`, `End` | rays before, between and after the surfaces |

@@ -39,7 +39,7 @@ impl<V: View> Tracer for StockTracer<V> {
     }
 }
 
-/// One call: the samples, and the columns of their world rays.
+/// The state of one call: the samples, and the columns of their world rays.
 struct StockPass<'a, 'b, 'c, V> {
     camera: &'a StockTracer<V>,
     samples: &'a Samples<'b>,

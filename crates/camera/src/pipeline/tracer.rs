@@ -21,7 +21,7 @@ pub trait Tracer: Send + Sync {
         false
     }
 
-    /// Whether four rays take less time side by side than one after the other.
+    /// Whether tracing four rays side by side takes less time than tracing them one after the other.
     fn gains_by_four(&self) -> bool {
         true
     }

@@ -26,7 +26,7 @@ use super::{
 use realistic_simd::{Compiled, Cpu, Lanes};
 use realistic_trace::kernel::KernelScalar;
 
-/// The transform of a moving camera; its linear part is divided by a scale.
+/// The transform of a moving camera; the linear part is stored divided by a scale.
 #[derive(Clone, Debug)]
 pub struct Interpolated<S> {
     shutter: [f32; 2],

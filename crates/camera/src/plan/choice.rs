@@ -27,13 +27,13 @@ pub enum Verdict {
     TooFarOff(TooFarOff),
     /// Rejected: the weights' errors exceed a thousandth of the light.
     WrongLight(Errors),
-    /// Not available for this lens; holds the reason.
+    /// Not available for this lens, with the reason.
     Excluded(String),
     /// Not tried, because a candidate that costs no more was chosen.
     Untried,
 }
 
-/// A tracing, its cost and its verdict.
+/// A method of tracing, with its cost and its verdict.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Candidate {
     /// The method of tracing.
@@ -49,7 +49,7 @@ pub struct Candidate {
 pub struct Choice {
     /// Tolerated error of a ray, pixels.
     pub tolerance: f64,
-    /// Every method of tracing, the exact ones last.
+    /// Every method of tracing, with the exact methods last.
     pub candidates: Vec<Candidate>,
     /// Indices of the chosen candidates, for rays one by one and in batches.
     chosen: [usize; 2],

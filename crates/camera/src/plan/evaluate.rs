@@ -47,7 +47,7 @@ pub struct Errors {
     pub rays: usize,
     /// Number of rays that either the lens or its model, but not both, lets through.
     pub mismatches: usize,
-    /// Sum of the absolute errors of the weights, over the sum of the weights.
+    /// Sum of the absolute errors of the weights, divided by the sum of the weights.
     pub light: f64,
 }
 
@@ -348,7 +348,7 @@ fn stratified(seed: u64) -> impl Iterator<Item = [f64; 4]> {
     })
 }
 
-/// Quantile of the errors that must lie below the tolerance: one ray in a thousand may be worse.
+/// Quantile of the errors that must lie below the tolerance; one ray in a thousand may have a larger error.
 pub const QUANTILE: f64 = 0.999;
 /// Probability that a bound is too low.
 const RISK: f64 = 2e-3;

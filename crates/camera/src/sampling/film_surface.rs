@@ -1,6 +1,6 @@
 //! The surface of a film that is shifted, tilted or curved.
 //!
-//! A point (u, v) of the flat film, mm from its centre, lies in space at
+//! The point (u, v) of the flat film, mm from the film's centre, lies in space at
 //!
 //! ```text
 //! C + R (u, v, w),   w = -c r² / (1 + √(1 - c² r²)),   r² = u² + v²,

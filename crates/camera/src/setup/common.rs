@@ -52,7 +52,7 @@ pub fn placement(
     // Either order is valid, as in pbrt's stock cameras; if the shutter closes first, time runs backward.
     let shutter = [given.shutter_open()? as f32, given.shutter_close()? as f32];
     let to_world = match host.to_world.at(shutter[0]) {
-        // A camera with a shutter interval of length 0 does not move within it.
+        // A camera does not move during a shutter interval of length 0.
         at_once if host.leave_out && shutter[0] == shutter[1] => at_once.into_owned().into(),
         _ => host.to_world.clone(),
     };
@@ -106,7 +106,7 @@ pub fn warn_of_unused(model: Model, shutter: Shutter, given: &Parameters, log: L
 pub struct Crop {
     /// The top left pixel: column and row, from 0.
     pub from: [u32; 2],
-    /// The column to the right of the last one, and the row below the last one.
+    /// The column to the right of the last column of the part, and the row below its last row.
     pub to: [u32; 2],
 }
 

@@ -40,7 +40,7 @@ pub struct Setup {
     pub shared: SharedLens,
     /// The medium on the film's side of each surface.
     pub media: Vec<Medium>,
-    /// Absorption of each medium, if it is known.
+    /// Absorption of each medium; `None` if it is not known.
     pub transmittances: Vec<Option<Arc<InternalTransmittance>>>,
     /// The blades in the stop; `None` for a round stop.
     pub blades: Option<Blades>,
@@ -157,7 +157,7 @@ pub fn blades(given: &Parameters, prescription: &Prescription) -> Result<Option<
 /// Returns the coatings of a lens's surfaces, from the scene on; `None` if the surfaces lose no light.
 ///
 /// # Errors
-/// The coatings of the lens file are requested, but it names none.
+/// The coatings of the lens file are requested, but the lens file names none.
 pub fn coatings(
     transmission: Transmission,
     prescription: &Prescription,

@@ -23,7 +23,7 @@ pub struct LensOfMedia {
     pub lens: Lens,
     /// The medium on the film's side of each surface.
     pub media: Vec<Medium>,
-    /// Absorption of each medium, if it is known.
+    /// Absorption of each medium; `None` if it is not known.
     pub transmittances: Vec<Option<Arc<InternalTransmittance>>>,
     /// The blades in the stop; `None` for a round stop.
     pub blades: Option<Blades>,

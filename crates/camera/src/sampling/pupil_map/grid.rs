@@ -83,7 +83,7 @@ pub struct Grid {
 struct GridBuilder<'a, F> {
     family: &'a F,
     grid: Grid,
-    /// True for nodes that hold the cover.
+    /// Whether each node holds the cover.
     covered: Vec<bool>,
 }
 

@@ -72,7 +72,7 @@ pub struct PupilMap {
     is_symmetric: bool,
     /// The end of each column, and the difference to the end of the next column.
     ends: Vec<[f32; 2]>,
-    /// End of a grid with one column.
+    /// The first parameter at the end of a grid with one column.
     end: f64,
     /// The maps, column by column; for each map the upper half, then the lower half.
     table: Vec<[f32; 2]>,
