@@ -55,7 +55,7 @@
 // removed or renumbered.
 #define REALISTIC_ABI_VERSION 1
 
-// A bit of `realistic_capabilities`: a pbrt-v1 host can load the library (it exports `CreateCamera`).
+// A bit of `realistic_capabilities`: a pbrt-v1 host can load the library, because it exports `CreateCamera`.
 #define REALISTIC_CAPABILITY_PBRT_V1 1
 
 // Result of a call of the C ABI. The numbers are part of the ABI and never change.
@@ -66,10 +66,10 @@ enum realistic_status
  {
     // Success.
     REALISTIC_STATUS_OK = 0,
-    // A pointer that must not be NULL is NULL. For a camera or a lens see `REALISTIC_STATUS_NOT_A_CAMERA` and
-    // `REALISTIC_STATUS_NOT_A_LENS`.
+    // A pointer that must not be NULL is NULL. For a pointer to a camera or a lens, see
+    // `REALISTIC_STATUS_NOT_A_CAMERA` and `REALISTIC_STATUS_NOT_A_LENS`.
     REALISTIC_STATUS_NULL_POINTER = 1,
-    // Unknown `struct_size`.
+    // The `struct_size` is unknown.
     REALISTIC_STATUS_STRUCT_SIZE = 2,
     // A parameter is unknown, of the wrong kind, out of range or given twice.
     REALISTIC_STATUS_INVALID_PARAMETER = 3,
@@ -77,18 +77,20 @@ enum realistic_status
     REALISTIC_STATUS_LENS_FILE = 4,
     // The lens cannot be focused at the requested distance.
     REALISTIC_STATUS_UNREACHABLE_FOCUS = 5,
-    // Reserved, and not returned by this version: a file other than the lens description cannot be read or written.
+    // Reserved, and not returned by this version. A file other than the lens description cannot be read or
+    // written.
     REALISTIC_STATUS_IO = 6,
-    // A defect of this library: a panic was caught.
+    // A panic was caught, which is a defect of this library.
     REALISTIC_STATUS_PANIC = 7,
     // The pointer is NULL or does not point to a camera of this library.
     REALISTIC_STATUS_NOT_A_CAMERA = 8,
-    // Out of memory: building a camera or a lens needs 8 MiB, and autofocus needs room for its zones. If other threads
-    // take the last memory meanwhile, or a message has no room, the process ends, as in most of Rust.
+    // Memory is exhausted. Building a camera or a lens needs 8 MiB, and autofocus needs memory for its
+    // zones. If other threads use up the memory in the meantime, or if there is none for a message, the
+    // process ends, as in most Rust programs.
     REALISTIC_STATUS_OUT_OF_MEMORY = 9,
-    // Reserved, and not returned by this version: the process lacks a function that the call needs. (`CreateCamera`
-    // returns NULL if a host's functions are missing, and `realistic.hpp` throws this for a library older than
-    // itself.)
+    // Reserved, and not returned by this version. The process lacks a function that the call needs.
+    // (`CreateCamera` returns NULL if functions of the host are missing, and `realistic.hpp` throws this
+    // status if the library is older than the header.)
     REALISTIC_STATUS_UNSUPPORTED = 10,
     // The pointer is NULL or does not point to a lens of this library.
     REALISTIC_STATUS_NOT_A_LENS = 11,
@@ -101,7 +103,8 @@ typedef int32_t realistic_status;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// Result of a sample: it has a ray, or the reason why not. The numbers are part of the ABI and never change.
+// Result of a sample: either the sample has a ray, or the reason why it has none. The numbers are part of
+// the ABI and never change.
 enum realistic_reason
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : int32_t
@@ -117,12 +120,13 @@ enum realistic_reason
     REALISTIC_REASON_REFLECTED = 3,
     // The next surface lies behind the ray, or the ray travels backward.
     REALISTIC_REASON_TURNED_BACK = 4,
-    // The lens sample lies outside the disk, with `disk` "rejection". Take another sample; this one does not count.
+    // The lens sample lies outside the disk; only with `disk` "rejection". Draw another lens sample; this
+    // one does not count.
     REALISTIC_REASON_REDRAW = 5,
     // The shutter is closed over this film point at this time.
     REALISTIC_REASON_SHUT = 6,
-    // The wavelength is invalid: not a number from 380 to 780 nm, or one at which the formula of a glass gives no
-    // index of 1 or more.
+    // The wavelength is invalid: it is not a number from 380 to 780 nm, or the dispersion formula of a glass
+    // gives no refractive index of 1 or more at it.
     REALISTIC_REASON_WAVELENGTH = 7,
 };
 #ifndef __cplusplus
@@ -139,11 +143,12 @@ enum realistic_autofocus_rule
   : int32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-    // The zone with the nearest object.
+    // Chooses the zone with the nearest object.
     REALISTIC_AUTOFOCUS_RULE_NEAREST = 0,
-    // The zone nearest the centre of the picture, among the zones that have an answer.
+    // Chooses the zone nearest to the centre of the picture, among the zones for which a film distance is
+    // found.
     REALISTIC_AUTOFOCUS_RULE_CENTRE = 1,
-    // The mean of the zones' film distances.
+    // Takes the mean of the zones' film distances.
     REALISTIC_AUTOFOCUS_RULE_AVERAGE = 2,
 };
 #ifndef __cplusplus
@@ -154,15 +159,15 @@ typedef int32_t realistic_autofocus_rule;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// The side of a lens that rays come from. The numbers are part of the ABI and never change.
+// The side of a lens from which rays come. The numbers are part of the ABI and never change.
 enum realistic_side
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : int32_t
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
-    // Behind the lens; rays travel toward +z.
+    // Rays come from behind the lens and travel toward +z.
     REALISTIC_SIDE_FILM = 0,
-    // In front of the lens; rays travel toward -z.
+    // Rays come from in front of the lens and travel toward -z.
     REALISTIC_SIDE_SCENE = 1,
 };
 #ifndef __cplusplus
@@ -179,8 +184,9 @@ typedef struct realistic_camera realistic_camera;
 // A lens at one wavelength and stop. Immutable and thread-safe once built.
 typedef struct realistic_lens realistic_lens;
 
-// Receives a message while a camera or a lens is being built. `level`: 0 information, 1 warning (2, an error, is
-// reserved: errors are returned). `message` lives until the callback returns.
+// Receives a message while a camera or a lens is being built. `level` is 0 for information and 1 for a
+// warning; 2, for an error, is reserved, because errors are returned. `message` is valid until the callback
+// returns.
 typedef void (*realistic_log)(void *user, int32_t level, const char *message);
 
 typedef struct realistic_options {
@@ -190,16 +196,17 @@ typedef struct realistic_options {
     int32_t xres;
     // Image height in pixels, 1 or more. No default.
     int32_t yres;
-    // Row-major 4x4 matrix for column vectors that transforms camera space (units of `mm_per_unit`, +z forward, +x
-    // right, +y up) to world space. Its last row is 0 0 0 1, within rounding. `realistic_options_init` sets the
-    // identity.
+    // Row-major 4x4 matrix for column vectors that transforms camera space (units of `mm_per_unit`, +z
+    // forward, +x right, +y up) to world space. Its last row must be 0 0 0 1, within rounding.
+    // `realistic_options_init` sets the identity.
     float camera_to_world[16];
-    // Second matrix of a moving camera: `camera_to_world` holds at `transform_start`, this one at `transform_end`.
-    // Translation, rotation and scale are interpolated between them. All NaN: the camera does not move.
+    // Second matrix of a moving camera, which holds at `transform_end`; `camera_to_world` holds at
+    // `transform_start`. Translation, rotation and scale are interpolated between them. If all entries
+    // are NaN, the camera does not move.
     float camera_to_world_end[16];
-    // The time of `camera_to_world`. NaN: `shutter_open`.
+    // The time at which `camera_to_world` holds. NaN means `shutter_open`.
     double transform_start;
-    // The time of `camera_to_world_end`. NaN: `shutter_close`.
+    // The time at which `camera_to_world_end` holds. NaN means `shutter_close`.
     double transform_end;
     // Receives messages; NULL for none.
     realistic_log log;
@@ -209,10 +216,11 @@ typedef struct realistic_options {
     const char *lens_text;
     // Number of bytes at `lens_text`, at most 1,048,576 (1 MiB), as for any lens file.
     size_t lens_text_size;
-    // A camera with nearly the same options, at another focus, stop, zoom or pose, such as the previous frame's in
-    // an animation; NULL for none. The new camera takes over the data that depends on unchanged options only, and
-    // does not read the lens file again. It equals, bit for bit, a camera built without the donor. The donor is
-    // not changed and may be freed once the call returns. Lenses and autofocus do not use it.
+    // A camera whose options differ only in focus, stop, zoom or pose, such as that of the previous
+    // frame of an animation; NULL for none. The new camera reuses the data that depends only on
+    // unchanged options, and does not read the lens file again. It is bit-identical to a camera built
+    // without the donor. The donor is not changed and may be freed once the call returns. Lenses and
+    // autofocus do not use it.
     const struct realistic_camera *donor;
     // Parameter `model`: kind of camera: "lens", "thick", "thin", "perspective", "orthographic" or
     // "environment"; default "lens".
@@ -355,80 +363,83 @@ typedef struct realistic_options {
     const char *lens_plane;
 } realistic_options;
 
-// Description of a built camera, for a host to print. `realistic_camera_get_info` fills it. A model without a lens
-// (`perspective`, `orthographic`, `environment`) has 0 interfaces and NaN for lengths and f-number.
+// Description of a built camera, for a host to print. `realistic_camera_get_info` fills this structure. A
+// model without a lens (`perspective`, `orthographic`, `environment`) has 0 interfaces, and NaN for the
+// lengths and the f-number.
 typedef struct realistic_camera_info {
     // `sizeof(realistic_camera_info)`.
     uint32_t struct_size;
-    // Interfaces of the lens, the stop included.
+    // Number of interfaces (surfaces) of the lens, including the stop.
     uint32_t interfaces;
     // Effective focal length, mm; infinite for an afocal lens.
     double focal_length_mm;
-    // Focal length over the diameter of the beam of exact rays from a distant point on the axis, at the stop in use;
-    // infinite for an afocal lens.
+    // Focal length divided by the diameter of the beam of exact rays from a distant point on the axis, at
+    // the stop in use; infinite for an afocal lens.
     double fnumber;
-    // Last vertex to film, mm.
+    // Distance from the last vertex to the film, mm.
     double film_distance;
-    // Film plane to the plane in focus, mm along the axis; infinity if focused at infinity or beyond, NaN if no object
-    // in front of the lens is in focus.
+    // Distance from the film plane to the plane in focus, mm along the axis; infinity if the lens is focused
+    // at infinity or beyond, NaN if no object in front of the lens is in focus.
     double focus_distance_mm;
     // Film diagonal, mm.
     double film_diagonal;
-    // Pixels that the host is to render: columns from `crop[0]` to before `crop[2]`, rows from `crop[1]` to before
-    // `crop[3]`; the whole picture if no `crop` is given. Valid for every model.
+    // The pixels that the host is to render: columns from `crop[0]` up to but excluding `crop[2]`, rows from
+    // `crop[1]` up to but excluding `crop[3]`; the whole picture if no `crop` is given. Valid for every
+    // model.
     uint32_t crop[4];
 } realistic_camera_info;
 
 // One camera sample: the first 20 bytes of pbrt-v1's `Sample`.
 typedef struct realistic_sample {
-    // Raster x in pixels: 0 is the left edge of the image, `xres` the right one.
+    // Raster x in pixels: 0 at the left edge of the image, `xres` at the right edge.
     float image_x;
-    // Raster y in pixels: 0 is the top edge of the image, `yres` the bottom one.
+    // Raster y in pixels: 0 at the top edge of the image, `yres` at the bottom edge.
     float image_y;
     // u of the lens sample (u, v), in [0, 1].
     float lens_u;
     // v of the lens sample (u, v), in [0, 1].
     float lens_v;
-    // Time as a fraction of the shutter's interval: 0 is its opening, 1 its closing. Time, u and v are clamped to
-    // [0, 1].
+    // Time as a fraction of the shutter's interval: 0 when the shutter opens, 1 when it closes. Time, u and
+    // v are clamped to [0, 1].
     float time;
 } realistic_sample;
 
-// Input array of numbers (`x`), pairs (`x` and `y`) or vectors (`x`, `y` and `z`): element i lies `i * stride` bytes
-// from the first. A stride is 0, if all elements are the same one, or at least 4 bytes in either direction. `x` is NULL
-// if the input is omitted.
+// Input array of numbers (`x`), pairs (`x` and `y`) or vectors (`x`, `y` and `z`). Element i lies `i *
+// stride` bytes from the first element. The stride is 0 if all elements are the same one; otherwise its
+// magnitude is at least 4 bytes, and it may be negative. `x` is NULL if the input is omitted.
 typedef struct realistic_input {
-    // The first element's x, or number.
+    // Address of the first element's x, or of the first number.
     const float *x;
-    // The first element's y; not read for plain numbers.
+    // Address of the first element's y; not read for numbers.
     const float *y;
-    // The first element's z; read for vectors only.
+    // Address of the first element's z; read only for vectors.
     const float *z;
     // Bytes from one element to the next.
     ptrdiff_t stride;
 } realistic_input;
 
-// Output array of numbers, pairs or vectors, laid out as `realistic_input`, but without a stride of 0.
+// Output array of numbers, pairs or vectors, with the layout of `realistic_input`; the stride must not be 0.
 typedef struct realistic_output {
-    // The first element's x, or number.
+    // Address of the first element's x, or of the first number.
     float *x;
-    // The first element's y; not read for plain numbers.
+    // Address of the first element's y; not read for numbers.
     float *y;
-    // The first element's z; read for vectors only.
+    // Address of the first element's z; read only for vectors.
     float *z;
     // Bytes from one element to the next.
     ptrdiff_t stride;
 } realistic_output;
 
-// Request for the rays of samples. Start from zeros, which omit every member. A batch reads all members and requires
-// `image`, `lens`, `origin`, `direction` and `weight`. A call for one sample takes the sample and the ray as arguments
-// and reads `wavelength`, `wavelengths_per_sample`, `weight` and `reason` only.
+// Request for the rays of samples. Initialise it with zeros, which omit every member. A batch reads all
+// members and requires `image`, `lens`, `origin`, `direction` and `weight`. A call for one sample takes the
+// sample and the ray as arguments and reads only `wavelength`, `wavelengths_per_sample`, `weight` and
+// `reason`.
 typedef struct realistic_request {
     // `sizeof(realistic_request)`.
     uint32_t struct_size;
-    // Number w of rays per sample, each at its own wavelength: ray i · w + k belongs to sample i and has wavelength
-    // i · w + k. 0 means 1; 4 rays are traced side by side (A. Wilkie et al., "Hero Wavelength Spectral Sampling",
-    // 2014).
+    // Number w of rays per sample, each at its own wavelength: ray i · w + k belongs to sample i and has
+    // element i · w + k of `wavelength`. 0 means 1. 4 rays are traced side by side (A. Wilkie et al., "Hero
+    // Wavelength Spectral Sampling", 2014).
     uint32_t wavelengths_per_sample;
     // Raster points (x, y), pixels.
     struct realistic_input image;
@@ -436,19 +447,20 @@ typedef struct realistic_request {
     struct realistic_input lens;
     // Time as a fraction of the shutter's interval; 0 if omitted.
     struct realistic_input time;
-    // Wavelengths, nm, one per ray (`n` times `wavelengths_per_sample`, repeated where samples share them); the
-    // camera's own if omitted. A wavelength outside 380 to 780, such as 0.55, is no error: its ray has weight 0 and
-    // `REALISTIC_REASON_WAVELENGTH`. The index of each glass follows from its dispersion formula; film, stop, groups
-    // and the divisor of `weighting` stay those of the camera's own wavelength. A lens without dispersion data, and
-    // every model but "lens", has the same rays at every wavelength. A lens with dispersion data, and every lens with
-    // a `tolerance`, traces rays at a wavelength exactly, whatever `refraction` is.
+    // Wavelengths, nm, one per ray (`n` times `wavelengths_per_sample`; repeated if samples share
+    // wavelengths). If omitted, rays have the camera's own wavelength. A wavelength outside 380 to 780, such
+    // as 0.55, is not an error: its ray has weight 0 and `REALISTIC_REASON_WAVELENGTH`. The refractive index
+    // of each glass follows from its dispersion formula; film, stop, groups and the divisor of `weighting`
+    // stay those of the camera's own wavelength. A lens without dispersion data, and every model but "lens",
+    // has the same rays at every wavelength. A lens with dispersion data, and every lens with a `tolerance`,
+    // traces rays at a wavelength exactly, whatever the value of `refraction`.
     struct realistic_input wavelength;
     // Origins (x, y, z), world units.
     struct realistic_output origin;
     // Directions (x, y, z), unit length.
     struct realistic_output direction;
-    // Weights; 0 for a blocked ray. Nothing else is written for it, except its reason and weights of 0 for its
-    // neighbours.
+    // Weights; 0 for a blocked ray. For a blocked ray nothing else is written except the reason and the
+    // neighbours' weights, which are 0.
     struct realistic_output weight;
     // Distances from the origin at which rays begin.
     struct realistic_output mint;
@@ -460,61 +472,64 @@ typedef struct realistic_request {
     realistic_reason *reason;
     // Bytes from one reason to the next.
     ptrdiff_t reason_stride;
-    // Differentials: origins of the rays one pixel to the right (image x + 1). The six members from `rx_origin` to
-    // `ry_weight` go together.
+    // Origins of the rays one pixel to the right (image x + 1), for differentials. The six members from
+    // `rx_origin` to `ry_weight` must be given together or omitted together.
     struct realistic_output rx_origin;
-    // Their directions.
+    // Directions of the rays one pixel to the right.
     struct realistic_output rx_direction;
-    // Their weights: 0 if the lens blocks the neighbour; the ray's own origin and direction then replace it.
+    // Weights of the rays one pixel to the right; 0 if the lens blocks such a ray, whose origin and
+    // direction are then replaced by those of the sample's ray.
     struct realistic_output rx_weight;
     // Origins of the rays one pixel down (image y + 1).
     struct realistic_output ry_origin;
-    // Their directions.
+    // Directions of the rays one pixel down.
     struct realistic_output ry_direction;
-    // Their weights.
+    // Weights of the rays one pixel down, as in `rx_weight`.
     struct realistic_output ry_weight;
 } realistic_request;
 
 // One ray in world space: the 36 bytes of pbrt-v1's `Ray`.
 typedef struct realistic_ray {
-    // Origin, world units: for `model` "lens" the point where the ray leaves the front interface.
+    // Origin, world units; for `model` "lens", the point where the ray leaves the front surface.
     float o[3];
     // Direction, unit length.
     float d[3];
-    // Distance from `o` at which the ray begins: `hither`; 0 for `model` "perspective" and "orthographic", whose rays
-    // begin on the near plane.
+    // Distance from `o` at which the ray begins: `hither`, or 0 for `model` "perspective" and
+    // "orthographic", whose rays begin on the near plane.
     float mint;
-    // Distance from `o` at which the ray ends: `yon`; for `model` "perspective" and "orthographic" their far plane.
+    // Distance from `o` at which the ray ends: `yon`, or the distance to the far plane for `model`
+    // "perspective" and "orthographic".
     float maxt;
     // Time between `shutter_open` and `shutter_close`.
     float time;
 } realistic_ray;
 
-// A ray with its differentials: the ray of a sample, and the rays of the same lens and time sample one pixel to the
-// right (image x + 1) and one pixel down (image y + 1).
+// A ray with its differentials: the ray of a sample, and the rays with the same lens and time sample one
+// pixel to the right (image x + 1) and one pixel down (image y + 1).
 //
-// Bit `REALISTIC_HAS_RX` of `has` states that the lens passes the ray to the right, whether or not the shutter is open
-// there; `REALISTIC_HAS_RY` states it of the ray below. If a bit is 0, the lens blocks that neighbour, and the ray's
-// own origin and direction replace it: a footprint of zero width, with numbers that are safe to use.
+// The bit `REALISTIC_HAS_RX` of `has` states that the lens passes the ray to the right, whether or not the
+// shutter is open at that pixel; `REALISTIC_HAS_RY` states the same of the ray below. If a bit is 0, the
+// lens blocks that neighbour, and the origin and direction of the ray itself replace the neighbour's: the
+// footprint then has zero width, and the numbers are safe to use.
 typedef struct realistic_ray_differential {
-    // `sizeof(realistic_ray_differential)` of the caller's header. The caller sets it and the library never writes it;
-    // in an array only the first one is read.
+    // `sizeof(realistic_ray_differential)` of the caller's header. The caller sets this member, and the
+    // library never writes it; in an array, only that of the first element is read.
     uint32_t struct_size;
-    // Neighbours present: `REALISTIC_HAS_RX`, `REALISTIC_HAS_RY`, both (3) or none (0).
+    // The neighbours that are present: `REALISTIC_HAS_RX`, `REALISTIC_HAS_RY`, both (3) or none (0).
     uint32_t has;
-    // The ray.
+    // The ray of the sample.
     struct realistic_ray ray;
     // Origin of the ray to the right, world units.
     float rx_o[3];
-    // Its direction, unit length.
+    // Unit direction of the ray to the right.
     float rx_d[3];
     // Origin of the ray below, world units.
     float ry_o[3];
-    // Its direction, unit length.
+    // Unit direction of the ray below.
     float ry_d[3];
 } realistic_ray_differential;
 
-// Rays of world space that enter a camera.
+// Rays in world space that enter a camera.
 typedef struct realistic_importance_rays {
     // `sizeof(realistic_importance_rays)`.
     uint32_t struct_size;
@@ -527,23 +542,26 @@ typedef struct realistic_importance_rays {
     struct realistic_input time;
 } realistic_importance_rays;
 
-// Importance of rays; all 0 for a ray without importance. Each array but `importance` may be omitted.
+// Importance of rays; all numbers are 0 for a ray without importance. Each array except `importance` may be
+// omitted.
 typedef struct realistic_importance {
     // `sizeof(realistic_importance)`.
     uint32_t struct_size;
-    // Raster points (x, y), pixels, where the rays reach the film.
+    // Raster coordinates (x, y), pixels, of the points where the rays reach the film.
     struct realistic_output image;
-    // Importance We (E. Veach 1997; PBRT's `We`): the factor of radiance times cosθ dA dω, where dA is area in square
-    // world units on the plane z = 0 of camera space and θ the angle to its normal. With `weighting` "radiometric" it
-    // is 1 over the film's area in square world units, times the shutter's transmission.
+    // Importance We (E. Veach 1997; PBRT's `We`), the factor that multiplies radiance times cosθ dA dω. dA
+    // is area in square world units on the plane z = 0 of camera space, and θ is the angle to the plane's
+    // normal. With `weighting` "radiometric", We is the reciprocal of the film's area in square world units,
+    // times the shutter's transmission.
     struct realistic_output importance;
     // Density of the camera's own rays at this ray, per cosθ dA dω, for samples uniform over the picture, the lens and
     // time: `importance` is this density times the weight of the same ray.
     struct realistic_output density;
-    // Density per area on the plane z = 0: 1 over the area of the front clear aperture (of the lens of a stock
-    // camera).
+    // Density per area on the plane z = 0: the reciprocal of the area of the front clear aperture or, for a
+    // stock camera, of its lens.
     struct realistic_output area_density;
-    // Density per solid angle that matches `area_density`: their product is `density` times cosθ.
+    // Density per solid angle that corresponds to `area_density`: the product of the two is `density` times
+    // cosθ.
     struct realistic_output solid_angle_density;
 } realistic_importance;
 
@@ -563,13 +581,13 @@ typedef struct realistic_scene_points {
 typedef struct realistic_aimed {
     // `sizeof(realistic_aimed)`.
     uint32_t struct_size;
-    // Points (x, y, z) where the rays meet the front of the lens; an object between the scene point and this point
-    // blocks the light.
+    // Points (x, y, z) where the rays meet the front of the lens; an object between the scene point and such
+    // a point blocks the light.
     struct realistic_output origin;
-    // Unit vectors (x, y, z) from the scene points toward those points.
+    // Unit vectors (x, y, z) from the scene points toward the points in `origin`.
     struct realistic_output direction;
-    // Density of each direction per solid angle at the scene point. This and all other numbers are 0 if there is no
-    // direction along which light could reach the film.
+    // Density of each direction per solid angle at the scene point. This number and all others of the point
+    // are 0 if there is no direction along which light could reach the film.
     struct realistic_output density;
 } realistic_aimed;
 
@@ -585,38 +603,40 @@ typedef struct realistic_zone {
     float bottom;
 } realistic_zone;
 
-// Returns the distance along a ray from its origin to the first surface, world units: infinity for none; NaN, 0 or a
-// negative number for "not known".
+// Returns the distance along a ray from the ray's origin to the first surface, world units: infinity if
+// there is no surface; NaN, 0 or a negative number if the distance is not known.
 typedef double (*realistic_distance)(void *user, const struct realistic_ray *ray);
 
-// Returns the contrast of a trial camera's picture in a zone, in any measure that is at least 0 and highest for the
-// sharpest picture, such as the mean square difference of neighbouring pixels; NaN for "not known". Use the same
-// random numbers for every camera. A camera lives until the callback returns.
+// Returns the contrast of a trial camera's picture in a zone; NaN if it is not known. Any measure will do
+// that is at least 0 and highest for the sharpest picture, such as the mean square difference of
+// neighbouring pixels. Use the same random numbers for every camera. A camera lives until the callback
+// returns.
 typedef double (*realistic_contrast)(void *user,
                                      const struct realistic_camera *camera,
                                      const struct realistic_zone *zone);
 
-// First-order data of a lens (M. Born and E. Wolf, *Principles of Optics*, chapter 4). Air is on both sides, so the
-// nodal points are the principal points. z is a coordinate in lens space, mm; it is infinite for a point at infinity.
-// `realistic_lens_get_info` fills it.
+// First-order data of a lens (M. Born and E. Wolf, *Principles of Optics*, chapter 4). The lens is in air,
+// so its nodal points coincide with its principal points. z is a coordinate in lens space, mm; it is
+// infinite for a point at infinity. `realistic_lens_get_info` fills this structure.
 typedef struct realistic_lens_info {
     // `sizeof(realistic_lens_info)`.
     uint32_t struct_size;
-    // Number of surfaces, the stop included.
+    // Number of surfaces, including the stop.
     uint32_t surfaces;
-    // The stop's number, counted from 0 at the scene side; -1 for a lens without one.
+    // Number of the stop among the surfaces, counted from 0 at the scene side; -1 for a lens without a stop.
     int32_t stop;
-    // Number of the surface that limits the beam from a distant point on the axis: by exact rays, the surface that
-    // blocks the first ray outside the beam.
+    // Number of the surface that limits the beam from a distant point on the axis: the surface that blocks
+    // the first exact ray outside the beam.
     int32_t limiting;
     // Wavelength, nm.
     double wavelength;
     // Effective focal length, mm; negative for a diverging lens, infinite for an afocal one.
     double focal_length_mm;
-    // Absolute focal length over the diameter of the beam from a distant point on the axis, by exact rays; infinite
-    // for an afocal lens, or if no ray parallel to the axis passes.
+    // Absolute focal length divided by the diameter of the beam of exact rays from a distant point on the
+    // axis; infinite for an afocal lens, or if no ray parallel to the axis passes.
     double fnumber;
-    // Last vertex to the film-side focal point, mm; NaN for an afocal lens, like the next four members.
+    // Distance from the last vertex to the film-side focal point, mm. This and the next four members are NaN
+    // for an afocal lens.
     double back_focal_distance_mm;
     // z of the scene-side focal point.
     double front_focal_point_mm;
@@ -630,7 +650,7 @@ typedef struct realistic_lens_info {
     double rear_vertex_mm;
     // z of the entrance pupil, the first-order image of the limiting surface's aperture.
     double entrance_pupil_mm;
-    // Diameter of the entrance pupil, mm: the diameter of the beam.
+    // Diameter of the entrance pupil, mm, which is the diameter of the beam.
     double entrance_pupil_diameter_mm;
     // z of the exit pupil, the first-order image of the limiting surface's aperture.
     double exit_pupil_mm;
@@ -640,27 +660,28 @@ typedef struct realistic_lens_info {
     double stated_focal_length_mm;
     // Film distance that the lens's description proposes, from the last vertex, mm; NaN if it proposes none.
     double nominal_film_distance_mm;
-    // T-number with uncoated surfaces: the f-number over the square root of the transmission on the axis, at the
-    // lens's wavelength; NaN if no light passes.
+    // T-number with uncoated surfaces: the f-number divided by the square root of the transmission on the
+    // axis, at the lens's wavelength; NaN if no light passes.
     double tnumber_bare;
-    // T-number with a quarter-wave coating of MgF2 for 550 nm on the surfaces between air and glass.
+    // T-number with a quarter-wave coating of MgF2 for 550 nm on all surfaces between air and glass.
     double tnumber_quarter_wave;
-    // f-number by first-order optics alone: absolute focal length over the smallest image of any aperture through the
-    // glass in front of it.
+    // f-number by first-order optics alone: the absolute focal length divided by the diameter of the
+    // smallest image of any aperture, formed by the surfaces in front of that aperture.
     double fnumber_paraxial;
 } realistic_lens_info;
 
-// One surface of a lens. `realistic_lens_get_surface` fills it.
+// One surface of a lens. `realistic_lens_get_surface` fills this structure.
 typedef struct realistic_lens_surface {
     // `sizeof(realistic_lens_surface)`.
     uint32_t struct_size;
-    // 1 for the aperture stop, else 0.
+    // 1 for the aperture stop, otherwise 0.
     uint32_t is_stop;
-    // z of its vertex, mm; 0 for the first.
+    // z of the surface's vertex, mm; 0 for the first surface.
     double vertex_mm;
-    // Radius of curvature, mm: positive with the centre on the film's side, infinite for a plane.
+    // Radius of curvature, mm: positive if the centre of curvature lies on the film's side, infinite for a
+    // plane.
     double radius_mm;
-    // Distance to the next vertex, mm; 0 for the last.
+    // Distance to the next vertex, mm; 0 for the last surface.
     double thickness_mm;
     // Refractive index on the scene's side.
     double index_scene;
@@ -668,7 +689,8 @@ typedef struct realistic_lens_surface {
     double index_film;
     // Clear semi-diameter, mm.
     double semi_diameter_mm;
-    // Radius of the figure's conic at its vertex, mm. It differs from `radius_mm` only where A2 adds to the curvature.
+    // Vertex radius of the conic part of the surface, mm. It differs from `radius_mm` only if A2 adds to the
+    // curvature.
     double conic_radius_mm;
     // Conic constant k: 0 for a sphere or a plane, -1 for a paraboloid, less for a hyperboloid. With c =
     // 1/`conic_radius_mm` and r the distance from the axis, the surface lies c r²/(1 + √(1 - (1 + k) c² r²)) + A2 r² +
@@ -679,25 +701,26 @@ typedef struct realistic_lens_surface {
     double aspheric[29];
 } realistic_lens_surface;
 
-// The film that is in focus on a plane. `realistic_lens_plane_of_focus` fills it.
+// The film that has a given plane in focus. `realistic_lens_plane_of_focus` fills this structure.
 typedef struct realistic_focused_film {
     // `sizeof(realistic_focused_film)`.
     uint32_t struct_size;
-    // Last vertex to the film's centre, mm: the parameter of this name.
+    // Distance from the last vertex to the film's centre, mm; the value for the parameter of this name.
     double film_distance;
-    // Tilt about x, degrees: the parameter of this name.
+    // Tilt about x, degrees; the value for the parameter of this name.
     double film_tilt_x;
-    // Tilt about y, degrees: the parameter of this name.
+    // Tilt about y, degrees; the value for the parameter of this name.
     double film_tilt_y;
 } realistic_focused_film;
 
-// Array of vectors in double precision that a call reads and overwrites, laid out as `realistic_output`.
+// Array of vectors in double precision that a call reads and overwrites, with the layout of
+// `realistic_output`.
 typedef struct realistic_vectors {
-    // The first element's x.
+    // Address of the first element's x.
     double *x;
-    // The first element's y.
+    // Address of the first element's y.
     double *y;
-    // The first element's z.
+    // Address of the first element's z.
     double *z;
     // Bytes from one element to the next.
     ptrdiff_t stride;
@@ -721,12 +744,14 @@ typedef struct realistic_lens_rays {
 typedef struct realistic_lens_points {
     // `sizeof(realistic_lens_points)`.
     uint32_t struct_size;
-    // The point of ray i on surface k, counted from 0 at the scene side for both directions of travel, is element
-    // i · `surfaces` + k, with `surfaces` of `realistic_lens_info`; NaN if the ray does not reach the surface.
+    // The point of ray i on surface k is element i · `surfaces` + k, where `surfaces` is that of
+    // `realistic_lens_info` and k is counted from 0 at the scene side, whatever the direction of travel. It
+    // is NaN if the ray does not reach the surface.
     struct realistic_vectors point;
-    // Number of surfaces that each ray meets, the one that blocks it included; one element per ray, may be NULL.
+    // Number of surfaces that each ray meets, including the one that blocks it; one element per ray; may be
+    // NULL.
     uint32_t *met;
-    // Bytes from one number of surfaces to the next.
+    // Bytes from one element of `met` to the next.
     ptrdiff_t met_stride;
 } realistic_lens_points;
 
@@ -734,101 +759,108 @@ typedef struct realistic_lens_points {
 extern "C" {
 #endif // __cplusplus
 
-// Returns the `REALISTIC_ABI_VERSION` of the loaded library. A caller works with any library whose version is at least
-// that of the caller's header.
+// Returns the `REALISTIC_ABI_VERSION` of the loaded library. A caller works with any library whose version
+// is at least the version in the caller's header.
 uint32_t realistic_abi_version(void);
 
 // Returns the library's version, such as "0.1.0". The text lives as long as the library.
 const char *realistic_version(void);
 
-// Returns the optional features of the loaded library: `REALISTIC_CAPABILITY_` bits.
+// Returns the optional features of the loaded library as `REALISTIC_CAPABILITY_` bits.
 uint64_t realistic_capabilities(void);
 
-// Returns the message of this thread's last failure, one or more lines; empty if there was none. The text lives until
-// the thread's next failure.
+// Returns the message of the last failure on this thread, one or more lines; empty if there was none. The
+// text is valid until the next failure on this thread.
 const char *realistic_last_error(void);
 
 // Returns the meaning of a status in a few words; never NULL. The text lives as long as the library.
 const char *realistic_status_name(int32_t status);
 
-// Sets every field to "not given" and the transform to the identity; `struct_size` is `sizeof(realistic_options)`.
-// Only `xres` and `yres` must be set afterwards.
+// Sets every member to "not given", the transform to the identity, and `struct_size` to
+// `sizeof(realistic_options)`. Only `xres` and `yres` must be set afterwards.
 realistic_status realistic_options_init(struct realistic_options *options, uint32_t struct_size);
 
-// Builds a camera, to be freed by `realistic_camera_free`.
+// Builds a camera, which the caller frees with `realistic_camera_free`.
 realistic_status realistic_camera_new(const struct realistic_options *options, struct realistic_camera **out);
 
-// Frees a camera of `realistic_camera_new`. A camera of `CreateCamera` must not be passed: its host deletes it.
+// Frees a camera made by `realistic_camera_new`. Do not pass a camera made by `CreateCamera`, because its
+// host deletes it.
 void realistic_camera_free(struct realistic_camera *camera);
 
 // Describes a camera.
 realistic_status realistic_camera_get_info(const struct realistic_camera *camera, struct realistic_camera_info *info);
 
-// Copies the name of a camera's lens; empty for a model without a lens.
+// Copies the name of a camera's lens; the text is empty for a model without a lens.
 realistic_status realistic_camera_get_lens_name(const struct realistic_camera *camera,
                                                 char *buffer,
                                                 size_t capacity,
                                                 size_t *length);
 
-// Copies a description of the effects that the camera keeps and leaves out, and of the lens model that a tolerance
-// chose. The lines are for people; their wording may change.
+// Copies a description of the effects that the camera keeps and leaves out, and of the lens model that a
+// tolerance selected. The text is for people; its wording may change.
 realistic_status realistic_camera_plan(const struct realistic_camera *camera,
                                        char *buffer,
                                        size_t capacity,
                                        size_t *length);
 
-// Generates one ray of a camera made by `CreateCamera` or `realistic_camera_new`. Returns its weight; 0, with `*ray`
-// unchanged, if the lens blocks the ray, a pointer is NULL, or the camera is another library's.
+// Generates one ray of a camera made by `CreateCamera` or `realistic_camera_new`, and returns the ray's
+// weight. The weight is 0, and `*ray` is not changed, if the lens blocks the ray, a pointer is NULL, or the
+// camera was not made by this library.
 //
-// `request` is NULL, or requests wavelengths or a reason; `ray` has room for `wavelengths_per_sample` rays. Returns
-// the weight of the first ray. If the request is refused, returns 0, leaves a message and writes nothing. A camera's
-// first request for a wavelength takes 2 to 35 ms, 50 for a phone lens, once for all threads.
+// `request` is NULL, or requests wavelengths or a reason. With a request, `ray` has room for
+// `wavelengths_per_sample` rays, and the function returns the weight of the first ray. If the request is
+// refused, the function returns 0, stores a message and writes nothing. The first request for a wavelength
+// takes 2 to 35 ms (50 ms for a phone lens), once per camera for all threads.
 float realistic_generate_ray(const struct realistic_camera *camera,
                              const struct realistic_sample *sample,
                              const struct realistic_request *request,
                              struct realistic_ray *ray);
 
-// Generates one ray with its differentials, in little more than the time of one ray: the ray of the sample, and the
-// rays one pixel to the right and one pixel down. These equal, bit for bit, the rays of `realistic_generate_ray` at
-// `image_x` + 1 and at `image_y` + 1, but do not depend on whether the shutter is open there. Returns the weight as
-// `realistic_generate_ray` does, for the same `request`; 0 with a message if `ray->struct_size` is not set.
+// Generates one ray with its differentials, in little more than the time of one ray: the ray of the sample,
+// and the rays one pixel to the right and one pixel down. The latter two are bit-identical to the rays of
+// `realistic_generate_ray` at `image_x` + 1 and at `image_y` + 1, except that they exist even if the shutter
+// is closed there. Returns the weight as `realistic_generate_ray` does, for the same `request`; returns 0
+// and stores a message if `ray->struct_size` is not set.
 float realistic_generate_ray_differential(const struct realistic_camera *camera,
                                           const struct realistic_sample *sample,
                                           const struct realistic_request *request,
                                           struct realistic_ray_differential *ray);
 
-// Generates the rays of `n` samples. They equal, bit for bit (with a `tolerance`, within it), those of
-// `realistic_generate_ray` and `realistic_generate_ray_differential`. If `n` is 0, all arrays may be NULL.
+// Generates the rays of `n` samples. They are bit-identical to those of `realistic_generate_ray` and
+// `realistic_generate_ray_differential`; with a `tolerance`, they agree within it. If `n` is 0, all arrays
+// may be NULL.
 realistic_status realistic_camera_generate_batch(const struct realistic_camera *camera,
                                                  size_t n,
                                                  const struct realistic_request *request);
 
-// Computes the importance of `n` rays that enter the camera: 0 for a ray that does not reach the film, comes from
-// behind, arrives while the shutter is closed, or has numbers that are not finite. A ray within rounding of an
-// aperture's edge may have importance 0 although the camera's own ray passes. Returns
-// `REALISTIC_STATUS_INVALID_PARAMETER` for models whose rays have no area: "perspective" and "orthographic" without
-// `lens_radius`, and "environment".
+// Computes the importance of `n` rays that enter the camera. It is 0 for a ray that does not reach the film,
+// comes from behind, arrives while the shutter is closed, or has numbers that are not finite. A ray within
+// rounding of an aperture's edge may have importance 0 although the camera's own ray passes. Returns
+// `REALISTIC_STATUS_INVALID_PARAMETER` for models whose rays all begin at one point or are parallel:
+// "perspective" and "orthographic" without `lens_radius`, and "environment".
 realistic_status realistic_camera_importance(const struct realistic_camera *camera,
                                              size_t n,
                                              const struct realistic_importance_rays *rays,
                                              const struct realistic_importance *importance);
 
-// Samples directions toward the lens from `n` points of the scene, in the pupil as seen from each point, and computes
-// the importance of a ray along each, as `realistic_camera_importance` does. A point that emits radiance L at an angle
-// of cosine c to its normal adds importance · L · c / (density · density of the point) at (image_x, image_y); a sample
-// of importance 0 counts in the mean. A point that is not in front of the lens between `hither` and `yon` has no
-// direction. A camera's first call builds the entrance-pupil table, in 20 to 100 ms on two cores.
+// Samples directions toward the lens from `n` points of the scene, in the pupil as seen from each point.
+// Also computes the importance of a ray along each direction, as `realistic_camera_importance` does. A point
+// that emits radiance L along a direction whose angle to the point's normal has the cosine c adds importance
+// · L · c / (density · density of the point) to the picture at `image`; a sample with importance 0 counts in
+// the mean. A point that is not in front of the lens between `hither` and `yon` has no direction. The first
+// call for a camera builds the entrance-pupil table, which takes 20 to 100 ms on two cores.
 realistic_status realistic_camera_sample_importance(const struct realistic_camera *camera,
                                                     size_t n,
                                                     const struct realistic_scene_points *points,
                                                     const struct realistic_aimed *aimed,
                                                     const struct realistic_importance *importance);
 
-// Finds the film distance, mm, that focuses the camera of `options` on the objects in `n` zones of the picture; give
-// it as `film_distance` afterwards. `rule` is a `realistic_autofocus_rule`. Pass one callback and NULL for the other:
-// `distance` is called for some rays per zone, `contrast` for tens to hundreds of trial cameras. It is called on this
-// thread. `options` leave `film_distance` and `focus_distance` unset, and `focus_by` "film". Returns
-// `REALISTIC_STATUS_UNREACHABLE_FOCUS` if no zone has an answer.
+// Finds the film distance, mm, that focuses the camera of `options` on the objects in `n` zones of the
+// picture; set the option `film_distance` to it afterwards. `rule` is a `realistic_autofocus_rule`. Pass one
+// callback and NULL for the other: `distance` is called for several rays per zone, `contrast` for tens to
+// hundreds of trial cameras. The callback is called on this thread. In `options`, `film_distance` and
+// `focus_distance` must be unset, and `focus_by` must be "film". Returns
+// `REALISTIC_STATUS_UNREACHABLE_FOCUS` if autofocus finds no film distance in any zone.
 realistic_status realistic_autofocus(const struct realistic_options *options,
                                      const struct realistic_zone *zones,
                                      size_t n,
@@ -838,9 +870,10 @@ realistic_status realistic_autofocus(const struct realistic_options *options,
                                      void *user,
                                      double *film_distance);
 
-// Opens a lens, to be freed by `realistic_lens_free`. `lens_file` or `lens_text` selects it, with `glass_catalog`;
-// `wavelength`, `zoom` and `aperture_diameter` or `fnumber` set it, as for a camera. `xres`, `yres` and the transforms
-// are not read. Any other parameter is refused, because it would have no effect.
+// Opens a lens, which the caller frees with `realistic_lens_free`. `lens_file` or `lens_text`, with
+// `glass_catalog`, selects the lens; `wavelength`, `zoom` and `aperture_diameter` or `fnumber` set it up, as
+// for a camera. `xres`, `yres` and the transforms are not read. Any other parameter is refused, because it
+// would have no effect.
 realistic_status realistic_lens_new(const struct realistic_options *options, struct realistic_lens **out);
 
 // Frees a lens.
@@ -860,44 +893,47 @@ realistic_status realistic_lens_get_name(const struct realistic_lens *lens,
                                          size_t capacity,
                                          size_t *length);
 
-// Finds the film distance, mm from the last vertex, at which a point on the axis `focus_distance_mm` in front of the
-// **film** is sharpest: its bundle of exact rays at the lens's stop and wavelength has the smallest RMS spot there.
-// The object distance may be infinite. Returns `REALISTIC_STATUS_UNREACHABLE_FOCUS` if the lens cannot focus there;
-// the message then states the nearest distance.
+// Finds the film distance, mm from the last vertex, at which a point on the axis `focus_distance_mm` in
+// front of the **film** is sharpest: there the point's bundle of exact rays, at the lens's stop and
+// wavelength, has the smallest RMS spot. The object distance may be infinite. Returns
+// `REALISTIC_STATUS_UNREACHABLE_FOCUS` if the lens cannot focus at that distance; the message then states
+// the nearest possible distance.
 realistic_status realistic_lens_focus(const struct realistic_lens *lens,
                                       double focus_distance_mm,
                                       double *film_distance);
 
-// Finds the distance in focus, mm from the film along the axis, for film `film_distance` behind the last vertex:
-// infinity if focused at infinity; NaN if nothing in front of the lens is in focus.
+// Finds the distance in focus, mm from the film along the axis, for a film at `film_distance` behind the
+// last vertex: infinity if the lens is focused at infinity, NaN if nothing in front of the lens is in focus.
 realistic_status realistic_lens_focused_on(const struct realistic_lens *lens,
                                            double film_distance,
                                            double *focus_distance_mm);
 
-// Finds the distance and the tilt of the film that brings the plane through three points of lens space into focus
-// (Scheimpflug's rule). `points` are x, y, z of each, nine numbers in mm, z toward the scene. The tilt follows from
-// first-order optics, the distance on the axis from exact rays. Returns `REALISTIC_STATUS_UNREACHABLE_FOCUS`, with the
-// reason, if a point has no real image, the points define no plane, or the film would stand in the lens.
+// Finds the distance and the tilt of the film that brings the plane through three points of lens space into
+// focus (Scheimpflug's rule). `points` are nine numbers in mm, x, y and z of each point, with z toward the
+// scene. The tilt follows from first-order optics, the distance on the axis from exact rays. Returns
+// `REALISTIC_STATUS_UNREACHABLE_FOCUS`, with the reason, if a point has no real image, the points do not
+// define a plane, or the film would intersect the lens.
 realistic_status realistic_lens_plane_of_focus(const struct realistic_lens *lens,
                                                const double *points,
                                                struct realistic_focused_film *film);
 
-// Traces `n` rays through the lens from side `from` (`realistic_side`) and replaces each by the point where it leaves
-// the last surface and its unit direction there. A blocked ray ends on the last surface that it met, with the
-// direction behind that surface; if it met none, only the length of its direction changes. Rays may start anywhere
-// before the lens. A ray with numbers that are not finite, or with a direction of length 0, counts as
-// `REALISTIC_REASON_MISSED` and does not change.
+// Traces `n` rays through the lens from side `from` (`realistic_side`). Each ray is replaced by the point
+// where it leaves the last surface and its unit direction there. A blocked ray is replaced by the point on
+// the last surface that it met and its direction behind that surface; if it met none, only its direction
+// changes, to unit length. Rays may start anywhere before the lens. A ray with numbers that are not finite,
+// or with a direction of length 0, counts as `REALISTIC_REASON_MISSED` and does not change.
 //
-// `points` is NULL, or requests the points where the rays meet each surface. Rays are then traced one after another,
-// which is slower. They agree with rays without points, except for rounding, which may decide at the very edge of an
-// aperture.
+// `points` is NULL, or requests the points where the rays meet each surface. With points, rays are traced
+// one after another, which is slower. The results are the same as without points, except for rounding, which
+// may matter at the very edge of an aperture.
 realistic_status realistic_lens_trace(const struct realistic_lens *lens,
                                       int32_t from,
                                       size_t n,
                                       const struct realistic_lens_rays *rays,
                                       const struct realistic_lens_points *points);
 
-// Copies the names of the built-in lenses, one per line, the default's first. Each is a valid `lens_file`.
+// Copies the names of the built-in lenses, one per line, beginning with that of the default lens. Each name
+// is a valid `lens_file`.
 realistic_status realistic_catalogue(char *buffer, size_t capacity, size_t *length);
 
 #ifdef __cplusplus

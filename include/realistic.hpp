@@ -26,7 +26,7 @@
 
 namespace realistic {
 
-/* A failed call: the library's message, and its status. */
+/* A failed call, with the library's message and the status. */
 class Error : public std::runtime_error {
 public:
     Error(realistic_status status, const std::string &message) : std::runtime_error(message), status_(status) {}
@@ -37,7 +37,8 @@ private:
     realistic_status status_;
 };
 
-/* The library's functions that this header calls, without the prefix realistic_: each is a member of Api. */
+/* The library's functions that this header calls, without the prefix realistic_; each becomes a member of
+ * Api. */
 #define REALISTIC_FUNCTIONS(X)      \
     X(version)                      \
     X(capabilities)                 \
@@ -66,13 +67,14 @@ private:
     X(lens_trace)                   \
     X(catalogue)
 
-/* The library's functions, linked or found in a loaded library. */
+/* The library's functions, either linked or looked up in a loaded library. */
 struct Api {
 #define REALISTIC_MEMBER(name) decltype(&realistic_##name) name;
     REALISTIC_FUNCTIONS(REALISTIC_MEMBER)
 #undef REALISTIC_MEMBER
 
-    /* Returns the functions that the program is linked with. A program that only loads the library never calls this. */
+    /* Returns the functions with which the program is linked. A program that only loads the library never
+     * calls this. */
     static Api linked() {
         require_version(realistic_abi_version());
         Api api;
@@ -82,8 +84,9 @@ struct Api {
         return api;
     }
 
-    /* Returns the functions that `symbol`, called with each name, returns as void pointers. Throws Error if one is
-     * missing or the library is older than this header. */
+    /* Returns the functions of a loaded library. `symbol` is called with the name of each function and
+     * returns its address as a void pointer. Throws Error if a function is missing or the library is older
+     * than this header. */
     template <class Symbol> static Api find(Symbol symbol) {
         decltype(&realistic_abi_version) version;
         resolve(symbol, "realistic_abi_version", version);
@@ -95,7 +98,7 @@ struct Api {
         return api;
     }
 
-    /* Throws a failed call's message, or the meaning of its status if there is no message. */
+    /* Throws Error with the message of a failed call or, if there is no message, the meaning of its status. */
     void check(realistic_status status) const {
         if (status == REALISTIC_STATUS_OK) return;
         const char *message = last_error();
@@ -125,16 +128,16 @@ private:
     }
 };
 
-/* Options of a camera or a lens; owns its strings. A member that is not set keeps the library's default. */
+/* Options of a camera or a lens; owns its strings. A member that is not set keeps its default. */
 class Options {
 public:
-    /* Receives level (0 information, 1 warning, 2 error) and message while a camera or a lens is being made. The
-     * constructor rethrows its exceptions. */
+    /* Receives the level (0 information, 1 warning, 2 error) and the text of a message while a camera or a
+     * lens is being built. The constructor rethrows exceptions of this function. */
     using Log = std::function<void(int32_t, const char *)>;
 
     Options(int32_t xres, int32_t yres) : Options(xres, yres, Api::linked()) {}
 
-    /* Options of a lens, which has no film. */
+    /* Creates the options of a lens, which has no film. */
     Options() : Options(0, 0) {}
     explicit Options(const Api &api) : Options(0, 0, api) {}
 
@@ -144,19 +147,19 @@ public:
         raw_.yres = yres;
     }
 
-    /* Sets a number by its member: set(&realistic_options::fnumber, 8). */
+    /* Sets a number, given its member: set(&realistic_options::fnumber, 8). */
     Options &set(double realistic_options::*member, double value) {
         raw_.*member = value;
         return *this;
     }
 
-    /* Sets a string by its member: set(&realistic_options::lens_file, "wide.22mm"). */
+    /* Sets a string, given its member: set(&realistic_options::lens_file, "wide.22mm"). */
     Options &set(const char *realistic_options::*member, const std::string &value) {
         raw_.*member = keep(value);
         return *this;
     }
 
-    /* Sets the text of a lens file, instead of `lens_file`. */
+    /* Sets the text of a lens, which replaces the file of `lens_file`. */
     Options &lens_text(const std::string &text) {
         raw_.lens_text = keep(text);
         raw_.lens_text_size = text.size();
@@ -168,21 +171,21 @@ public:
         return *this;
     }
 
-    /* Sets the numbers of an array by its member: set(&realistic_options::screen_window, window). */
+    /* Sets the numbers of an array, given its member: set(&realistic_options::screen_window, window). */
     template <class Number, std::size_t N>
     Options &set(Number (realistic_options::*member)[N], const Number (&values)[N]) {
         std::memcpy(raw_.*member, values, sizeof values);
         return *this;
     }
 
-    /* Sets the part of the picture to render: pixels from column `x0` to before `x1` and from row `y0` to before
-     * `y1`. */
+    /* Sets the part of the picture to render: columns from `x0` up to but excluding `x1`, rows from `y0` up
+     * to but excluding `y1`. */
     Options &crop(uint32_t x0, uint32_t y0, uint32_t x1, uint32_t y1) {
         const double pixels[4] = {double(x0), double(y0), double(x1), double(y1)};
         return set(&realistic_options::crop, pixels);
     }
 
-    /* Sets the matrix from camera to world space, row-major, for column vectors. */
+    /* Sets the matrix from camera space to world space, row-major, for column vectors. */
     Options &camera_to_world(const float (&rows)[16]) {
         return set(&realistic_options::camera_to_world, rows);
     }
@@ -194,9 +197,10 @@ public:
 
     const realistic_options &raw() const noexcept { return raw_; }
 
-    /* Returns the film distance, mm, for zones of the picture: see realistic_autofocus. Give one of the two callbacks:
-     * `distance` gets a ray and returns the distance along it to the first surface; `contrast` gets a camera, which it
-     * must not keep, and a zone. This function rethrows their exceptions. */
+    /* Returns the film distance, mm, that focuses on zones of the picture; see realistic_autofocus. Pass
+     * exactly one callback: `distance` receives a ray and returns the distance along it to the first surface;
+     * `contrast` receives a zone and a camera, which it must not keep, and returns the contrast. This
+     * function rethrows exceptions of the callback. */
     double autofocus(const std::vector<realistic_zone> &zones, realistic_autofocus_rule rule,
                      std::function<double(const realistic_ray &)> distance,
                      std::function<double(const realistic_camera *, const realistic_zone &)> contrast = nullptr) const {
@@ -216,12 +220,12 @@ private:
     friend class Lens;
 
     const char *keep(const std::string &value) {
-        /* Each string has its own allocation, so that the options can move. */
+        /* Each string has its own allocation, so that its address stays the same when the options are moved. */
         strings_.emplace_back(new std::string(value));
         return strings_.back()->c_str();
     }
 
-    /* Returns a text that a function copies into a buffer. */
+    /* Returns a text that a function of the library copies into a buffer. */
     template <class Function, class Handle>
     static std::string text(const Api &api, Function function, const Handle *handle) {
         std::size_t length = 0;
@@ -231,8 +235,8 @@ private:
         return std::string(buffer.data(), length);
     }
 
-    /* Calls with the options and their log, and rethrows the log's exception. An exception must not pass through the
-     * library, so it is kept until the call is over. */
+    /* Calls `call` with the options and their log, and rethrows the log's exception. The exception is kept
+     * until the call is over, because it must not pass through the library. */
     template <class Call> static realistic_status listened(const Options &options, Call call) {
         Listener listener{options.log_, nullptr};
         realistic_options raw = options.raw_;
@@ -245,7 +249,8 @@ private:
         return status;
     }
 
-    /* Makes a camera or a lens by its function of the library. Throws Error with the reason, and what to change. */
+    /* Builds a camera or a lens with the given function of the library. Throws Error with the reason and what
+     * to change. */
     template <class Handle, class Create, class Free>
     std::unique_ptr<Handle, Free> made(Create create, Free free) const {
         std::unique_ptr<Handle, Free> owner(nullptr, free);
@@ -273,7 +278,8 @@ private:
         }
     }
 
-    /* Callbacks for autofocus. After an exception they answer without a call: no surface, no contrast. */
+    /* Callbacks for autofocus. After an exception they return "no surface" or "contrast unknown" without
+     * calling the function. */
     struct Zones {
         const std::function<double(const realistic_ray &)> &distance;
         const std::function<double(const realistic_camera *, const realistic_zone &)> &contrast;
@@ -306,15 +312,17 @@ private:
     std::vector<std::unique_ptr<std::string>> strings_;
 };
 
-/* A camera, freed with this object. It can be moved, not copied; any number of threads may request rays. */
+/* A camera, which is freed with this object. It can be moved but not copied; any number of threads may
+ * request rays. */
 class Camera {
 public:
-    /* Builds a camera. Throws Error with the reason, and what to change. */
+    /* Builds a camera. Throws Error with the reason and what to change. */
     explicit Camera(const Options &options)
         : api_(options.api_), camera_(options.made<realistic_camera>(api_.camera_new, api_.camera_free)) {}
 
-    /* Builds the camera of the same options, bit for bit, in less time: at another focus, stop, zoom or pose than
-     * `donor`, which may be destroyed afterwards. Throws Error with the reason, and what to change. */
+    /* Builds the same camera as the other constructor, bit for bit, in less time, if `options` differ from
+     * those of `donor` only in focus, stop, zoom or pose. `donor` may be destroyed afterwards. Throws Error
+     * with the reason and what to change. */
     Camera(const Camera &donor, const Options &options)
         : api_(options.api_),
           camera_(options.made<realistic_camera>(
@@ -330,8 +338,8 @@ public:
         return api_.generate_ray(camera_.get(), &sample, nullptr, &ray);
     }
 
-    /* Returns the weight of the first of the rays that `request` requests, one per wavelength of the sample; its
-     * `struct_size` is set here. */
+    /* Generates the rays that `request` requests, one per wavelength of the sample, and returns the weight of
+     * the first. Sets `struct_size` of `request`. */
     float generate(const realistic_sample &sample, realistic_request request, realistic_ray *rays) const noexcept {
         request.struct_size = sizeof request;
         return api_.generate_ray(camera_.get(), &sample, &request, rays);
@@ -342,14 +350,14 @@ public:
         return generate(sample, at(wavelength), &ray);
     }
 
-    /* Returns the weight of a ray with differentials, whose `struct_size` is set here; 0, with the other members
-     * unchanged, if the lens blocks it. */
+    /* Returns the weight of a ray with differentials; 0 if the lens blocks the ray. Sets `struct_size` of
+     * `ray`; if the weight is 0, the other members are not changed. */
     float generate(const realistic_sample &sample, realistic_ray_differential &ray) const noexcept {
         ray.struct_size = sizeof ray;
         return api_.generate_ray_differential(camera_.get(), &sample, nullptr, &ray);
     }
 
-    /* Returns the weight of a ray with differentials at a wavelength, nm. */
+    /* Returns the weight of a ray with differentials at a wavelength given in nm. */
     float generate_at(const realistic_sample &sample, float wavelength,
                       realistic_ray_differential &ray) const noexcept {
         realistic_request request = at(wavelength);
@@ -358,13 +366,14 @@ public:
         return api_.generate_ray_differential(camera_.get(), &sample, &request, &ray);
     }
 
-    /* Generates the rays that a request requests for `n` samples; `struct_size` is set here. */
+    /* Generates the rays that `request` requests for `n` samples; sets `struct_size` of `request`. */
     void generate(realistic_request request, std::size_t n) const {
         request.struct_size = sizeof request;
         api_.check(api_.camera_generate_batch(camera_.get(), n, &request));
     }
 
-    /* Generates the rays of `n` samples; `reasons` may be NULL. Strides are in bytes, 0 for tightly packed. */
+    /* Generates the rays of `n` samples; `reasons` may be NULL. Strides are in bytes; 0 means tightly
+     * packed. */
     void generate(const realistic_sample *samples, std::size_t n, realistic_ray *rays, float *weights,
                   realistic_reason *reasons = nullptr, std::size_t sample_stride = 0,
                   std::size_t ray_stride = 0) const {
@@ -373,22 +382,22 @@ public:
         generate(request, n);
     }
 
-    /* Generates the rays of `n` samples, given and returned as structures of arrays. */
+    /* Generates the rays of `n` samples; samples and rays are structures of arrays. */
     void generate(const realistic_samples_soa &samples, std::size_t n, const realistic_rays_soa &rays) const {
         realistic_request request;
         realistic_request_of_arrays(&request, &samples, &rays);
         generate(request, n);
     }
 
-    /* Computes the importance of `n` rays that enter the camera; every `struct_size` is set here. */
+    /* Computes the importance of `n` rays that enter the camera; sets `struct_size` of both structures. */
     void importance(realistic_importance_rays rays, std::size_t n, realistic_importance importance) const {
         rays.struct_size = sizeof rays;
         importance.struct_size = sizeof importance;
         api_.check(api_.camera_importance(camera_.get(), n, &rays, &importance));
     }
 
-    /* Samples directions toward the lens from `n` points of the scene, with their importance; every `struct_size` is
-     * set here. */
+    /* Samples directions toward the lens from `n` points of the scene, and computes their importance; sets
+     * `struct_size` of all structures. */
     void sample_importance(realistic_scene_points points, std::size_t n, realistic_aimed aimed,
                            realistic_importance importance) const {
         points.struct_size = sizeof points;
@@ -406,18 +415,19 @@ public:
 
     std::string lens_name() const { return Options::text(api_, api_.camera_get_lens_name, camera_.get()); }
 
-    /* Returns the effects that the camera keeps and leaves out, and the lens model that a tolerance chose: lines for
-     * people. */
+    /* Returns a text for people: the effects that the camera keeps and leaves out, and the lens model that a
+     * tolerance selected. */
     std::string plan() const { return Options::text(api_, api_.camera_plan, camera_.get()); }
 
-    /* The handle for realistic.h's functions, still owned here; NULL once moved from. */
+    /* Returns the handle for the functions of realistic.h; this object still owns it. NULL after this object
+     * was moved from. */
     const realistic_camera *get() const noexcept { return camera_.get(); }
 
-    /* Gives the handle away: the caller must pass it to realistic_camera_free. */
+    /* Releases the handle to the caller, who must pass it to realistic_camera_free. */
     realistic_camera *release() noexcept { return camera_.release(); }
 
 private:
-    /* Returns a request for rays at a wavelength, which must outlive the request. */
+    /* Returns a request for rays at `wavelength`; this variable must outlive the request. */
     static realistic_request at(const float &wavelength) noexcept {
         realistic_request request{};
         request.wavelength.x = &wavelength;
@@ -428,11 +438,11 @@ private:
     std::unique_ptr<realistic_camera, decltype(&realistic_camera_free)> camera_;
 };
 
-/* A lens without a film, in lens space: origin at the first vertex, +z toward the scene, mm. It can be moved, not
- * copied; any number of threads may use it. */
+/* A lens without a film, in lens space: the origin is the first vertex, +z points toward the scene, and
+ * lengths are in mm. It can be moved but not copied; any number of threads may use it. */
 class Lens {
 public:
-    /* Opens a lens. Throws Error with the reason, and what to change. */
+    /* Opens a lens. Throws Error with the reason and what to change. */
     explicit Lens(const Options &options)
         : api_(options.api_), lens_(options.made<realistic_lens>(api_.lens_new, api_.lens_free)) {}
 
@@ -453,14 +463,15 @@ public:
 
     std::string name() const { return Options::text(api_, api_.lens_get_name, lens_.get()); }
 
-    /* Returns the film distance, mm from the last vertex, for focus on an object `focus_distance_mm` from the film. */
+    /* Returns the film distance, mm from the last vertex, that focuses on an object `focus_distance_mm` from
+     * the film. */
     double focus(double focus_distance_mm) const { return conjugate(api_.lens_focus, focus_distance_mm); }
 
-    /* Returns the distance in focus, mm from the film, for film `film_distance` behind the last vertex; NaN if no
-     * object is in focus. */
+    /* Returns the distance in focus, mm from the film, for a film at `film_distance` behind the last vertex;
+     * NaN if no object is in focus. */
     double focused_on(double film_distance) const { return conjugate(api_.lens_focused_on, film_distance); }
 
-    /* Returns the film that is in focus on the plane through three points (x, y, z) of lens space, mm. */
+    /* Returns the film that has the plane through three points (x, y, z) of lens space, mm, in focus. */
     realistic_focused_film plane_of_focus(const double (&points)[9]) const {
         realistic_focused_film film;
         film.struct_size = sizeof film;
@@ -474,14 +485,16 @@ public:
         api_.check(api_.lens_trace(lens_.get(), from, n, &rays, nullptr));
     }
 
-    /* Traces `n` rays, with the points where they meet the surfaces; sets `struct_size` of `rays` and `points`. */
+    /* Traces `n` rays and returns the points where they meet the surfaces; sets `struct_size` of `rays` and
+     * `points`. */
     void trace(realistic_side from, std::size_t n, realistic_lens_rays rays, realistic_lens_points points) const {
         rays.struct_size = sizeof rays;
         points.struct_size = sizeof points;
         api_.check(api_.lens_trace(lens_.get(), from, n, &rays, &points));
     }
 
-    /* The handle for realistic.h's functions, still owned here; NULL once moved from. */
+    /* Returns the handle for the functions of realistic.h; this object still owns it. NULL after this object
+     * was moved from. */
     const realistic_lens *get() const noexcept { return lens_.get(); }
 
 private:
@@ -497,7 +510,7 @@ private:
 
 #undef REALISTIC_FUNCTIONS
 
-/* Returns the names of the built-in lenses, the default's first. */
+/* Returns the names of the built-in lenses, beginning with that of the default lens. */
 inline std::vector<std::string> catalogue(const Api &api = Api::linked()) {
     std::size_t length = 0;
     api.check(api.catalogue(nullptr, 0, &length));

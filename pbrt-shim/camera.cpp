@@ -1,8 +1,8 @@
 // A camera object that a pbrt-v1 host can call and delete as its own.
 //
-// This class never uses the host's base class: it calls neither its constructor nor its
-// destructor. So the matrices here are copies that share no count with the host's, and
-// this class deletes the film, which the host's base class would delete.
+// This class does not use the host's base class: it calls neither the base class's constructor nor its
+// destructor. So the matrices here are copies that share no reference count with the host's matrices, and
+// this class deletes the film, which the host's base class would otherwise delete.
 
 #include "layout.hpp"
 #include "shim.h"
@@ -15,15 +15,15 @@ namespace {
 
 using namespace realistic_shim;
 
-// The vtable pointer, then the host's members, then ours. The vtable's slots are in the
-// order of the declarations: the ray, then the two destructors.
+// The object consists of the vtable pointer, the host's members, and then our members. The vtable's slots are
+// in the order of the declarations: first the function that generates a ray, then the two destructors.
 class Camera {
 public:
     explicit Camera(const realistic_shim_parts &parts) noexcept
         : host(), rust(parts.rust), generate(parts.generate), release(parts.release), world_to_camera(),
           camera_to_world() {
-        // Two transforms hold each matrix. Their counts never reach zero: the matrices
-        // live and die with this object.
+        // Each matrix is referenced by two transforms. Its reference count never reaches zero, because the
+        // matrices live as long as this object.
         world_to_camera.references = 2;
         camera_to_world.references = 2;
         std::memcpy(world_to_camera.m, parts.world_to_camera, sizeof world_to_camera.m);
@@ -50,8 +50,8 @@ public:
     Camera(const Camera &) = delete;
     Camera &operator=(const Camera &) = delete;
 
-    // The deleting destructor calls this delete. These operators are independent of the
-    // host's global ones, and do not throw when memory is out.
+    // The deleting destructor calls this delete. These operators are independent of the host's global ones,
+    // and they do not throw if memory is exhausted.
     static void *operator new(std::size_t size, const std::nothrow_t &) noexcept { return std::malloc(size); }
     static void operator delete(void *memory) noexcept { std::free(memory); }
     static void operator delete(void *memory, const std::nothrow_t &) noexcept { std::free(memory); }

@@ -1,6 +1,6 @@
-// The look-up of parameters and of the host's own texts. Included twice, by find_new.cpp and find_old.cpp,
-// which choose the std::string ABI before any standard header and give the functions their
-// names: a host of either ABI is then served by functions with the same std::string.
+// The look-up of parameters and of the host's texts. This file is included twice, by find_new.cpp and
+// find_old.cpp, which select the std::string ABI before any standard header and name the functions: a host of
+// either ABI is then served by functions that use the same std::string as the host.
 
 #include "shim.h"
 
@@ -12,19 +12,20 @@
 
 namespace {
 
-// Mangled names, in the Itanium C++ ABI, of const member functions of the host's set, which
-// take the name by reference and return the number of values through a pointer.
+// Mangled names, in the Itanium C++ ABI, of const member functions of the host's parameter set. These
+// functions take the name by reference and return the number of values through a pointer.
 constexpr const char *float_symbol = "_ZNK8ParamSet9FindFloatERK" REALISTIC_STRING_MANGLED "Pi";
 constexpr const char *int_symbol = "_ZNK8ParamSet7FindIntERK" REALISTIC_STRING_MANGLED "Pi";
 constexpr const char *bool_symbol = "_ZNK8ParamSet8FindBoolERK" REALISTIC_STRING_MANGLED "Pi";
 constexpr const char *string_symbol = "_ZNK8ParamSet10FindStringERK" REALISTIC_STRING_MANGLED "Pi";
 
-// Mangled names of a function that returns the set as text, and of a variable. An ABI tag in the names states their
-// std::string.
+// Mangled names of a function that returns the set as text, and of a variable. An ABI tag in each name states
+// which std::string is used.
 constexpr const char *text_symbol = "_ZNK8ParamSet8ToString" REALISTIC_STRING_TAG "Ev";
 constexpr const char *file_symbol = REALISTIC_SCENE_FILE;
 
-// A member function, which takes its object as the first argument. NULL when the process has no such function.
+// A member function, which receives its object as the first argument; NULL if the process has no such
+// function.
 template <class T> using Finder = const T *(*)(const void *, const std::string &, int *);
 
 template <class T> Finder<T> finder(const char *symbol) {
@@ -90,7 +91,7 @@ extern "C" int32_t REALISTIC_PASTE(realistic_shim_find_, REALISTIC_STRING_SUFFIX
         return REALISTIC_SHIM_FAILED;
     }
 #else
-    // This C++ library has only one std::string ABI, and it is the other one.
+    // This C++ library has only one std::string ABI, and that is not the one of this file.
     (void)params, (void)kind, (void)name, (void)name_size, (void)out;
     (void)float_symbol, (void)int_symbol, (void)bool_symbol, (void)string_symbol;
     return REALISTIC_SHIM_NO_HOST;
@@ -100,7 +101,7 @@ extern "C" int32_t REALISTIC_PASTE(realistic_shim_find_, REALISTIC_STRING_SUFFIX
 extern "C" int32_t REALISTIC_PASTE(realistic_shim_text_, REALISTIC_STRING_SUFFIX)(const void *params, int32_t which,
                                                                               realistic_shim_take take, void *user) {
 #if _GLIBCXX_USE_CXX11_ABI == REALISTIC_STRING_NEW
-    // In a process without such a host, a variable of that name may be anything.
+    // In a process without such a host, a variable with that name may be anything.
     if (!finder<float>(float_symbol)) {
         return REALISTIC_SHIM_NO_HOST;
     }

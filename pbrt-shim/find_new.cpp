@@ -1,4 +1,4 @@
-// Parameters of a host built with the std::string of 2015 and later.
+// The look-up of parameters for a host built with the std::string ABI of 2015 and later.
 #undef _GLIBCXX_USE_CXX11_ABI
 #define _GLIBCXX_USE_CXX11_ABI 1
 #define REALISTIC_STRING_NEW 1

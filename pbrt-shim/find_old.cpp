@@ -1,4 +1,4 @@
-// Parameters of a host built with the reference-counted std::string, as before 2015.
+// The look-up of parameters for a host built with the reference-counted std::string of before 2015.
 #undef _GLIBCXX_USE_CXX11_ABI
 #define _GLIBCXX_USE_CXX11_ABI 0
 #define REALISTIC_STRING_NEW 0

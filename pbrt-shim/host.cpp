@@ -1,5 +1,5 @@
-// The host's functions, found at run time, so that the library also loads without them
-// (a Rust library binds all symbols when it is loaded).
+// The host's functions are looked up at run time, so that the library also loads without them (a Rust library
+// binds all symbols when it is loaded).
 
 #include "shim.h"
 
@@ -31,7 +31,8 @@ extern "C" int32_t realistic_shim_text(const void *params, int32_t which, realis
 }
 
 extern "C" void realistic_shim_message(int32_t level, const char *text) {
-    // printf-like functions; the host's fourth, which ends the process, is never called.
+    // These functions are printf-like. The host's fourth such function, which ends the process, is never
+    // called.
     static const char *const symbols[] = {"_Z4InfoPKcz", "_Z7WarningPKcz", "_Z5ErrorPKcz"};
     static const char *const names[] = {"Notice", "Warning", "Error"};
     const int32_t known = level < 0 ? 0 : level > 2 ? 2 : level;

@@ -1,6 +1,6 @@
 // The host's layouts, as measured on pbrt 1.05 (x86-64, Itanium C++ ABI).
 //
-// These are independent declarations: plain structures with the members at the measured
+// These declarations are independent of the host's: plain structures with the members at the measured
 // offsets, without the host's behaviour. The library never links against the host.
 
 #ifndef REALISTIC_SHIM_LAYOUT_HPP
@@ -11,7 +11,7 @@
 
 namespace realistic_shim {
 
-// A 4x4 matrix, row-major for column vectors, behind a reference count that is not atomic.
+// A 4x4 matrix, row-major for column vectors, preceded by a reference count that is not atomic.
 struct HostMatrix {
     int32_t references;
     float m[16];
@@ -20,7 +20,7 @@ static_assert(sizeof(HostMatrix) == 68 && alignof(HostMatrix) == 4, "host matrix
 static_assert(offsetof(HostMatrix, references) == 0, "host matrix");
 static_assert(offsetof(HostMatrix, m) == 4, "host matrix");
 
-// A transform: two counted pointers, to the matrix and to its inverse.
+// A transform: reference-counted pointers to the matrix and to the inverse of the matrix.
 struct HostTransform {
     HostMatrix *matrix;
     HostMatrix *inverse;
@@ -29,7 +29,7 @@ static_assert(sizeof(HostTransform) == 16 && alignof(HostTransform) == 8, "host 
 static_assert(offsetof(HostTransform, matrix) == 0, "host transform");
 static_assert(offsetof(HostTransform, inverse) == 8, "host transform");
 
-// A film. Its vtable begins with the two destructors.
+// A film, whose vtable begins with the two destructors.
 struct HostFilm {
     const void *const *vtable;
     int32_t x_resolution;
@@ -39,7 +39,7 @@ static_assert(sizeof(HostFilm) == 16 && alignof(HostFilm) == 8, "host film");
 static_assert(offsetof(HostFilm, x_resolution) == 8, "host film");
 static_assert(offsetof(HostFilm, y_resolution) == 12, "host film");
 
-// Slots of the film's vtable: the complete destructor (D1), then the deleting one (D0).
+// Slot of the deleting destructor (D0) in the film's vtable; slot 0 is the complete destructor (D1).
 constexpr std::size_t host_film_slot_delete = 1;
 
 // The members of a host camera after its vtable pointer.
@@ -52,7 +52,7 @@ struct HostCameraMembers {
     float shutter_open;
     float shutter_close;
 };
-// Offsets in the camera are these plus the 8 bytes of the vtable pointer.
+// The offset of a member in the camera is its offset here plus the 8 bytes of the vtable pointer.
 constexpr std::size_t host_camera_vptr_size = 8;
 static_assert(sizeof(void *) == host_camera_vptr_size, "64-bit pointers");
 static_assert(sizeof(HostCameraMembers) + host_camera_vptr_size == 64, "host camera");

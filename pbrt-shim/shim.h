@@ -12,7 +12,8 @@
 extern "C" {
 #endif
 
-/* Generates one ray for a host: returns the weight and writes the ray. `sample` and `ray` are the host's. */
+/* Generates one ray for a host: returns the weight and writes the ray. `sample` and `ray` are objects of the
+ * host. */
 typedef float (*realistic_shim_generate)(const void *rust, const void *sample, void *ray);
 /* Destroys the Rust part of a camera. */
 typedef void (*realistic_shim_release)(void *rust);
@@ -31,18 +32,18 @@ typedef struct realistic_shim_parts {
     float shutter_close;
 } realistic_shim_parts;
 
-/* A camera object begins with its vtable pointer, then this number of bytes of the host's members, and `rust`. The
- * Rust side recognises its own cameras by the vtable pointer. */
+/* A camera object begins with its vtable pointer, followed by this number of bytes of the host's members and
+ * by `rust`. The Rust side recognises its own cameras by the vtable pointer. */
 #define REALISTIC_SHIM_HOST_MEMBERS 56
 
-/* Returns a new camera object that a host can use as its own, or NULL when memory is out; in
- * that case `rust` and `film` stay the caller's. */
+/* Returns a new camera object that a host can use like its own, or NULL if memory is exhausted; in that case
+ * the caller still owns `rust` and `film`. */
 void *realistic_shim_camera_new(const realistic_shim_parts *parts);
 /* Deletes a camera object as a host does, through its vtable. NULL is allowed. */
 void realistic_shim_camera_delete(void *camera);
-/* Reads the floats of a host transform: the matrix and its inverse. Returns 0 when a pointer is NULL. */
+/* Reads the floats of a host's transform: the matrix and the inverse. Returns 0 if a pointer is NULL. */
 int32_t realistic_shim_transform(const void *transform, float matrix[16], float inverse[16]);
-/* Reads the resolution of a host film. Returns 0 when `film` is NULL. */
+/* Reads the resolution of a host's film. Returns 0 if `film` is NULL. */
 int32_t realistic_shim_film_resolution(const void *film, int32_t *x, int32_t *y);
 
 enum { REALISTIC_SHIM_FLOAT = 0, REALISTIC_SHIM_INT = 1, REALISTIC_SHIM_BOOL = 2, REALISTIC_SHIM_STRING = 3 };
@@ -53,7 +54,8 @@ enum {
     REALISTIC_SHIM_FAILED = 3   /* an exception: memory is out */
 };
 
-/* Values of a scene for one name and kind. Pointers live as long as the host's set. */
+/* The values that a scene gives for one name and kind. The pointers are valid as long as the host's parameter
+ * set. */
 typedef struct realistic_shim_found {
     int32_t count;           /* values given */
     int32_t boolean;         /* the first value, when count > 0 and the kind is bool */
@@ -63,23 +65,24 @@ typedef struct realistic_shim_found {
     size_t text_size;
 } realistic_shim_found;
 
-/* Looks up a parameter in the host's set by the host's own function, which also marks it as
- * used. Writes `out` only when the result is REALISTIC_SHIM_FOUND. */
+/* Looks up a parameter in the host's set with the host's own function, which also marks the parameter as
+ * used. Writes `out` only if the result is REALISTIC_SHIM_FOUND. */
 int32_t realistic_shim_find(const void *params, int32_t kind, const char *name, size_t name_size,
                             realistic_shim_found *out);
 
-/* Kinds of the host's texts. */
+/* Kinds of texts of the host. */
 enum {
     REALISTIC_SHIM_PARAMETERS = 0, /* every parameter of the set as a scene file writes it */
     REALISTIC_SHIM_SCENE_FILE = 1  /* the path of the file that the host is reading */
 };
-/* Receives a text, which is valid during the call. */
+/* Receives a text, which is valid only during the call. */
 typedef void (*realistic_shim_take)(void *user, const char *text, size_t size);
-/* Passes a text of the host to `take`, if the process exports it. Returns REALISTIC_SHIM_FOUND, or the failure. */
+/* Passes a text of the host to `take` if the process exports that text. Returns REALISTIC_SHIM_FOUND or the
+ * failure. */
 int32_t realistic_shim_text(const void *params, int32_t which, realistic_shim_take take, void *user);
 
-/* Prints a message by the host's functions, or on stderr when the process has none.
- * Level 0: information, 1: warning, 2: error. */
+/* Prints a message with the host's functions or, if the process has none, on stderr. Level 0: information, 1:
+ * warning, 2: error. */
 void realistic_shim_message(int32_t level, const char *text);
 
 #ifdef __cplusplus

@@ -12,7 +12,7 @@
 //! *The lens `dgauss.50mm`, drawn by `realistic draw`.* The method is that of C. Kolb, D. Mitchell and P. Hanrahan, [A
 //! Realistic Camera Model for Computer Graphics](https://doi.org/10.1145/218380.218463), SIGGRAPH 1995.
 //!
-//! Four types lead into the crate.
+//! Four types are the starting points of the crate.
 //!
 //! | type | is | comes from |
 //! |---|---|---|
@@ -34,8 +34,8 @@
 //! # Ok::<(), realistic::CameraError>(())
 //! ```
 //!
-//! The mean of weight times radiance over lens samples is the irradiance on the film. A ray that the lens blocks is `None` and
-//! counts as 0.
+//! The mean of weight times radiance over lens samples is the irradiance on the film. For a ray that the lens
+//! blocks the result is `None`, and the sample counts as 0.
 //!
 //! | to get | call |
 //! |---|---|
@@ -58,16 +58,19 @@
 //!
 //! # Space
 //!
-//! Lens space: origin at the vertex of the first surface, +z toward the scene, +x image right, +y image up, millimetres. Camera
-//! space has the same origin and axes, in units of `mm_per_unit` millimetres; world units are as long unless the camera transform scales.
+//! In lens space, the origin is the vertex of the first surface, +z points toward the scene, +x to the
+//! image's right, +y to the image's top, and lengths are in millimetres. Camera space has the same origin and
+//! axes, in units of `mm_per_unit` millimetres; world units are equally long unless the camera transform
+//! scales.
 //!
 //! # Other languages
 //!
-//! The C ABI is in `include/realistic.h`, and `include/realistic.hpp` wraps it for C++. The crates
-//! below this one may change in any version; only this crate's face is promised.
+//! The C ABI is in `include/realistic.h`, and `include/realistic.hpp` wraps it for C++. The crates on which
+//! this one depends may change in any version; only the public interface of this crate is stable.
 
-// The crates below are cut by role, in the order in which data flows: `base`, `simd`, `optics`, `trace`, `light`, `camera`.
-// This one is their common face, the C ABI and the entry of a pbrt-v1 host, the only exports.
+// The crates on which this one depends are divided by role, in the order in which data flows: `base`, `simd`,
+// `optics`, `trace`, `light`, `camera`. This crate is their common interface and contains the only exports:
+// the C ABI and the entry point of a pbrt-v1 host.
 mod abi;
 
 pub use ::realistic_camera::plan::Plan;
@@ -101,8 +104,8 @@ pub use realistic_optics::prescription::{
 };
 pub use realistic_optics::trace::{Blocked, Direction, Path, Walk};
 
-/// The C ABI for tests and fuzzers, which call it from Rust. Hosts use `include/realistic.h`; no promise is made of this
-/// module.
+/// The C ABI for tests and fuzzers, which call it from Rust. Hosts use `include/realistic.h`; this module may
+/// change in any version.
 #[doc(hidden)]
 pub mod ffi {
     pub use crate::abi::*;

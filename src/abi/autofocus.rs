@@ -31,23 +31,25 @@ pub struct realistic_zone {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(non_camel_case_types)]
 pub enum realistic_autofocus_rule {
-    /// The zone with the nearest object.
+    /// Chooses the zone with the nearest object.
     Nearest = 0,
-    /// The zone nearest the centre of the picture, among the zones that have an answer.
+    /// Chooses the zone nearest to the centre of the picture, among the zones for which a film distance is
+    /// found.
     Centre = 1,
-    /// The mean of the zones' film distances.
+    /// Takes the mean of the zones' film distances.
     Average = 2,
 }
 
-/// Returns the distance along a ray from its origin to the first surface, world units: infinity for none; NaN, 0 or a
-/// negative number for "not known".
+/// Returns the distance along a ray from the ray's origin to the first surface, world units: infinity if
+/// there is no surface; NaN, 0 or a negative number if the distance is not known.
 #[allow(non_camel_case_types)]
 pub type realistic_distance =
     Option<unsafe extern "C" fn(user: *mut c_void, ray: *const realistic_ray) -> f64>;
 
-/// Returns the contrast of a trial camera's picture in a zone, in any measure that is at least 0 and highest for the
-/// sharpest picture, such as the mean square difference of neighbouring pixels; NaN for "not known". Use the same
-/// random numbers for every camera. A camera lives until the callback returns.
+/// Returns the contrast of a trial camera's picture in a zone; NaN if it is not known. Any measure will do
+/// that is at least 0 and highest for the sharpest picture, such as the mean square difference of
+/// neighbouring pixels. Use the same random numbers for every camera. A camera lives until the callback
+/// returns.
 #[allow(non_camel_case_types)]
 pub type realistic_contrast = Option<
     unsafe extern "C" fn(
@@ -57,11 +59,12 @@ pub type realistic_contrast = Option<
     ) -> f64,
 >;
 
-/// Finds the film distance, mm, that focuses the camera of `options` on the objects in `n` zones of the picture; give
-/// it as `film_distance` afterwards. `rule` is a `realistic_autofocus_rule`. Pass one callback and NULL for the other:
-/// `distance` is called for some rays per zone, `contrast` for tens to hundreds of trial cameras. It is called on this
-/// thread. `options` leave `film_distance` and `focus_distance` unset, and `focus_by` "film". Returns
-/// `REALISTIC_STATUS_UNREACHABLE_FOCUS` if no zone has an answer.
+/// Finds the film distance, mm, that focuses the camera of `options` on the objects in `n` zones of the
+/// picture; set the option `film_distance` to it afterwards. `rule` is a `realistic_autofocus_rule`. Pass one
+/// callback and NULL for the other: `distance` is called for several rays per zone, `contrast` for tens to
+/// hundreds of trial cameras. The callback is called on this thread. In `options`, `film_distance` and
+/// `focus_distance` must be unset, and `focus_by` must be "film". Returns
+/// `REALISTIC_STATUS_UNREACHABLE_FOCUS` if autofocus finds no film distance in any zone.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_autofocus(
     options: *const realistic_options,
@@ -94,7 +97,7 @@ pub unsafe extern "C" fn realistic_autofocus(
             (Some(distance), None) => {
                 let measure = |ray: &::realistic_camera::WorldRay| {
                     let ray = realistic_ray::from(*ray);
-                    // SAFETY: the caller's function, called with what it is declared to take.
+                    // SAFETY: the caller's function is called with the arguments that its type declares.
                     unsafe { distance(user, &ray) }
                 };
                 by_distance(&parameters, &host, &zones, rule, measure, &mut log)?
@@ -105,7 +108,7 @@ pub unsafe extern "C" fn realistic_autofocus(
                 search.run(rule, |film, zone| {
                     let trial = SharpnessTrial::new(last.take(), &parameters, &host, film)?;
                     let zone = realistic_zone::from(*zone);
-                    // SAFETY: the caller's function, called with what it is declared to take.
+                    // SAFETY: the caller's function is called with the arguments that its type declares.
                     let found = unsafe { contrast(user, trial.0, &zone) };
                     last = Some(trial);
                     Ok::<_, Failure>(found)
@@ -151,7 +154,7 @@ fn rule_of(number: i32) -> Result<Rule, Failure> {
     })
 }
 
-/// A trial camera of the contrast search. It logs nothing, because its warnings were logged already.
+/// A trial camera of the contrast search. It logs nothing, because its warnings have already been logged.
 struct SharpnessTrial(*mut realistic_camera);
 
 impl SharpnessTrial {

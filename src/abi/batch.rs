@@ -1,7 +1,7 @@
-//! Many rays in one call, between arrays of any strides.
+//! Generates many rays in one call; the arrays may have any strides.
 //!
-//! A caller's request is checked and converted to columns, from which the camera generates rays. The page of
-//! `camera/pipeline` follows them from there.
+//! A caller's request is checked and converted to columns, from which the camera generates rays. The
+//! documentation of `camera/pipeline` describes the further path of the rays.
 
 use std::mem::MaybeUninit;
 
@@ -14,10 +14,10 @@ use super::{
 };
 use ::realistic_camera::{Rays, Samples, columns::Strided};
 
-/// The part of a request that any call may use, for many samples or one.
+/// The part of a request that every call may use, for one sample or for many.
 #[derive(Clone, Copy)]
 pub(super) struct PerRay {
-    /// Number of rays of all samples.
+    /// Total number of rays of all samples.
     pub rays: usize,
     pub per_sample: usize,
     pub wavelengths: Strided,
@@ -29,7 +29,8 @@ impl PerRay {
     /// Reads a request for `n` samples.
     ///
     /// # Errors
-    /// An array is impossible or missing, or there is no memory for the data that a first wavelength builds.
+    /// An array is invalid or missing, or there is not enough memory for the data that the first request for
+    /// wavelengths builds.
     #[inline(always)]
     pub fn of(request: &realistic_request, handle: &Handle, n: usize) -> Result<Self, Failure> {
         let per_sample = request.wavelengths_per_sample.max(1) as usize;
@@ -49,14 +50,15 @@ impl PerRay {
         Ok(Self { rays, per_sample, wavelengths, weights, reasons })
     }
 
-    /// Returns the column of weights; that of the only ray if none is requested.
+    /// Returns the column of weights; if none is requested, a column that consists of `own`, for a single
+    /// ray.
     #[inline(always)]
     pub fn weights_or(&self, own: &mut f32) -> Strided {
         if self.weights.is_there() { self.weights } else { Strided::new(own, 0) }
     }
 
-    /// Writes the reasons for the rays' weights, if they are requested. This is a separate step, because a reason costs
-    /// more than a ray.
+    /// Writes the reason for each ray's weight, if reasons are requested. This is a separate step, because
+    /// finding a reason takes longer than a ray.
     ///
     /// # Safety
     /// `samples` are the samples of the rays; their weights and reasons can be read and written.
@@ -79,11 +81,12 @@ impl PerRay {
     }
 }
 
-/// Time of all samples, if times are omitted.
+/// Time of all samples if the times are omitted.
 static NO_TIME: f32 = 0.0;
 
-/// Generates the rays of `n` samples. They equal, bit for bit (with a `tolerance`, within it), those of
-/// `realistic_generate_ray` and `realistic_generate_ray_differential`. If `n` is 0, all arrays may be NULL.
+/// Generates the rays of `n` samples. They are bit-identical to those of `realistic_generate_ray` and
+/// `realistic_generate_ray_differential`; with a `tolerance`, they agree within it. If `n` is 0, all arrays
+/// may be NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_camera_generate_batch(
     camera: *const realistic_camera,
@@ -116,7 +119,7 @@ pub unsafe extern "C" fn realistic_camera_generate_batch(
         let [ray_time] = optional_output("request.ray_time", rays, &request.ray_time)?;
         let columns = [ox, oy, oz, dx, dy, dz, mint, maxt, ray_time, per_ray.weights];
         let neighbours = neighbours(request, rays)?;
-        // SAFETY: the caller's promise; the required arrays are there.
+        // SAFETY: the caller's promise; the required arrays are present.
         unsafe {
             let samples = Samples::raw([x, y, u, v, time, per_ray.wavelengths], per_ray.per_sample, rays);
             handle.camera().trace(&samples, &mut Rays::raw(columns, neighbours, rays));
@@ -129,7 +132,7 @@ pub unsafe extern "C" fn realistic_camera_generate_batch(
 /// Returns the output columns of both neighbours, if they are requested: origin, direction and weight.
 ///
 /// # Errors
-/// An array is missing or impossible.
+/// An array is missing or invalid.
 #[inline(always)]
 fn neighbours(request: &realistic_request, rays: usize) -> Result<Option<[[Strided; 10]; 2]>, Failure> {
     let right = [&request.rx_origin, &request.rx_direction, &request.rx_weight];

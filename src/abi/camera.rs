@@ -1,4 +1,4 @@
-//! Cameras for a C caller: construction, description and release.
+//! Construction, description and release of cameras for a C caller.
 
 use std::ffi::{c_char, c_void};
 
@@ -10,7 +10,7 @@ use super::options::realistic_options;
 use super::types::{level_number, realistic_camera, realistic_camera_info, realistic_log};
 use ::realistic_camera::{Camera, Crop, Facts, Host, Level, Log, Parameters};
 
-/// Builds a camera, to be freed by `realistic_camera_free`.
+/// Builds a camera, which the caller frees with `realistic_camera_free`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_camera_new(
     options: *const realistic_options,
@@ -24,10 +24,10 @@ pub unsafe extern "C" fn realistic_camera_new(
     }
 }
 
-/// Builds an object from a caller's options with `make`, and writes it to `out`.
+/// Builds an object from a caller's options with `make`, and writes the pointer to it to `out`.
 ///
 /// # Safety
-/// `options` and `out` as for [`realistic_camera_new`].
+/// The promises for `options` and `out` are those of [`realistic_camera_new`].
 pub(super) unsafe fn construct<T>(
     options: *const realistic_options,
     out: *mut *mut T,
@@ -51,7 +51,7 @@ pub(super) unsafe fn construct<T>(
     })
 }
 
-/// Makes a camera object, to be deleted by [`object::delete`].
+/// Makes a camera object, which is deleted with [`object::delete`].
 pub(super) fn make(
     donor: Option<&Camera>,
     parameters: &Parameters,
@@ -70,12 +70,13 @@ pub(super) fn make(
 pub(super) fn log(callback: realistic_log, user: *mut c_void, level: Level, text: &str) {
     if let Some(callback) = callback {
         let text = boundary::c_string(text);
-        // SAFETY: the caller's function, called with what it is declared to take.
+        // SAFETY: the caller's function is called with the arguments that its type declares.
         unsafe { callback(user, level_number(level), text.as_ptr()) }
     }
 }
 
-/// Frees a camera of `realistic_camera_new`. A camera of `CreateCamera` must not be passed: its host deletes it.
+/// Frees a camera made by `realistic_camera_new`. Do not pass a camera made by `CreateCamera`, because its
+/// host deletes it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_camera_free(camera: *mut realistic_camera) {
     boundary::value((), || {
@@ -114,7 +115,7 @@ pub unsafe extern "C" fn realistic_camera_get_info(
     })
 }
 
-/// Copies the name of a camera's lens; empty for a model without a lens.
+/// Copies the name of a camera's lens; the text is empty for a model without a lens.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_camera_get_lens_name(
     camera: *const realistic_camera,
@@ -131,8 +132,8 @@ pub unsafe extern "C" fn realistic_camera_get_lens_name(
     })
 }
 
-/// Copies a description of the effects that the camera keeps and leaves out, and of the lens model that a tolerance
-/// chose. The lines are for people; their wording may change.
+/// Copies a description of the effects that the camera keeps and leaves out, and of the lens model that a
+/// tolerance selected. The text is for people; its wording may change.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_camera_plan(
     camera: *const realistic_camera,

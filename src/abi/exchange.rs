@@ -1,10 +1,11 @@
-//! Copies between this library and a caller's memory: structures, which begin with their `struct_size`, and texts.
+//! Copies between this library and a caller's memory: texts, and structures that begin with their
+//! `struct_size`.
 
 use std::{ffi::c_char, mem::MaybeUninit};
 
 use super::boundary::{self, Failure, realistic_status};
 
-/// Checks that a caller's structure has this library's size.
+/// Checks that a caller's structure has the size that this library expects.
 ///
 /// # Errors
 /// The size differs; the message states which size to set.
@@ -26,15 +27,16 @@ fn other_size(what: &str, given: u32, current: usize) -> Failure {
     Failure::new(realistic_status::StructSize, message)
 }
 
-/// Fills a caller's structure, which has its `struct_size` set.
+/// Fills a caller's structure whose `struct_size` is set.
 ///
 /// # Errors
-/// `out` is NULL (`name` in the message), or its size differs.
+/// `out` is NULL (the message calls it `name`), or the structure's size differs.
 ///
 /// # Safety
-/// `T` begins with a `u32`, its size; `out` is NULL or points to a structure of its `struct_size` bytes.
+/// `T` begins with a `u32` that states its size; `out` is NULL or points to a structure of `struct_size`
+/// bytes.
 pub(super) unsafe fn give<T>(what: &str, filled: T, name: &str, out: *mut T) -> Result<(), Failure> {
-    // SAFETY: the caller's promise; the size is this structure's.
+    // SAFETY: the caller's promise; `check` ensures that the size is that of `T`.
     unsafe {
         check(what, name, out)?;
         out.write_unaligned(filled);
@@ -45,27 +47,27 @@ pub(super) unsafe fn give<T>(what: &str, filled: T, name: &str, out: *mut T) -> 
 /// Reads a caller's structure.
 ///
 /// # Errors
-/// As for [`give`].
+/// The errors of [`give`].
 ///
 /// # Safety
-/// As for [`give`], and any bytes are a valid `T`.
+/// The promises of [`give`]; also, any bytes are a valid `T`.
 #[inline(always)]
 pub(super) unsafe fn take<T: Copy>(what: &str, name: &str, given: *const T) -> Result<T, Failure> {
-    // SAFETY: the caller's promise; the size is this structure's.
+    // SAFETY: the caller's promise; `check` ensures that the size is that of `T`.
     unsafe {
         check(what, name, given)?;
         Ok(given.read_unaligned())
     }
 }
 
-/// Borrows a caller's structure in place, or copies it to `copy` if it is misaligned. For structures so large that
-/// copying takes noticeable time.
+/// Borrows a caller's structure in place, or copies it to `copy` if it is misaligned. This is for structures
+/// that are so large that copying takes noticeable time.
 ///
 /// # Errors
-/// As for [`give`].
+/// The errors of [`give`].
 ///
 /// # Safety
-/// As for [`take`], and nobody writes the structure while it is borrowed.
+/// The promises of [`take`]; also, nobody writes to the structure while it is borrowed.
 #[inline(always)]
 pub(super) unsafe fn borrow<'a, T: Copy>(
     what: &str,
@@ -73,7 +75,7 @@ pub(super) unsafe fn borrow<'a, T: Copy>(
     given: *const T,
     copy: &'a mut MaybeUninit<T>,
 ) -> Result<&'a T, Failure> {
-    // SAFETY: the caller's promise; the size is this structure's.
+    // SAFETY: the caller's promise; `check` ensures that the size is that of `T`.
     unsafe {
         check(what, name, given)?;
         Ok(if given.is_aligned() { &*given } else { copy.write(given.read_unaligned()) })
@@ -81,17 +83,18 @@ pub(super) unsafe fn borrow<'a, T: Copy>(
 }
 
 /// # Safety
-/// As for [`give`].
+/// The promises of [`give`].
 #[inline(always)]
 unsafe fn check<T>(what: &str, name: &str, at: *const T) -> Result<(), Failure> {
     if at.is_null() {
         return Err(boundary::null(name));
     }
-    // SAFETY: not NULL; the first field is always there.
+    // SAFETY: the pointer is not NULL, and the first field is always present.
     check_size(what, unsafe { at.cast::<u32>().read_unaligned() }, size_of::<T>())
 }
 
-/// Copies a text with a closing NUL, cut to `capacity` bytes, and writes its full length without the NUL.
+/// Copies a text with a terminating NUL, truncated to `capacity` bytes, and writes its full length without
+/// the NUL.
 ///
 /// # Safety
 /// `buffer` is NULL or has `capacity` writable bytes; `length` is NULL or writable.

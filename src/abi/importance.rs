@@ -1,4 +1,5 @@
-//! Light tracing: the importance of rays from the scene, and directions toward the lens, in views of the caller's arrays.
+//! Light tracing: the importance of rays from the scene, and directions toward the lens; the caller's arrays
+//! are used in place.
 //!
 //! A renderer that traces paths from light sources connects them to the camera by one of two calls. It requests the
 //! importance of a ray that reaches the lens ([`realistic_camera_importance`]), or it samples a direction from a scene
@@ -18,26 +19,29 @@ use ::realistic_camera::{
     importance_block::{BLOCK, PointColumns},
 };
 
-/// Importance of rays; all 0 for a ray without importance. Each array but `importance` may be omitted.
+/// Importance of rays; all numbers are 0 for a ray without importance. Each array except `importance` may be
+/// omitted.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 #[allow(non_camel_case_types)]
 pub struct realistic_importance {
     /// `sizeof(realistic_importance)`.
     pub struct_size: u32,
-    /// Raster points (x, y), pixels, where the rays reach the film.
+    /// Raster coordinates (x, y), pixels, of the points where the rays reach the film.
     pub image: realistic_output,
-    /// Importance We (E. Veach 1997; PBRT's `We`): the factor of radiance times cosθ dA dω, where dA is area in square
-    /// world units on the plane z = 0 of camera space and θ the angle to its normal. With `weighting` "radiometric" it
-    /// is 1 over the film's area in square world units, times the shutter's transmission.
+    /// Importance We (E. Veach 1997; PBRT's `We`), the factor that multiplies radiance times cosθ dA dω. dA
+    /// is area in square world units on the plane z = 0 of camera space, and θ is the angle to the plane's
+    /// normal. With `weighting` "radiometric", We is the reciprocal of the film's area in square world units,
+    /// times the shutter's transmission.
     pub importance: realistic_output,
     /// Density of the camera's own rays at this ray, per cosθ dA dω, for samples uniform over the picture, the lens and
     /// time: `importance` is this density times the weight of the same ray.
     pub density: realistic_output,
-    /// Density per area on the plane z = 0: 1 over the area of the front clear aperture (of the lens of a stock
-    /// camera).
+    /// Density per area on the plane z = 0: the reciprocal of the area of the front clear aperture or, for a
+    /// stock camera, of its lens.
     pub area_density: realistic_output,
-    /// Density per solid angle that matches `area_density`: their product is `density` times cosθ.
+    /// Density per solid angle that corresponds to `area_density`: the product of the two is `density` times
+    /// cosθ.
     pub solid_angle_density: realistic_output,
 }
 
@@ -45,7 +49,7 @@ impl realistic_importance {
     /// Returns the columns in the order of `ArrivingRays::importance_columns`.
     ///
     /// # Errors
-    /// An array is impossible, or `importance` is missing.
+    /// An array is invalid, or `importance` is missing.
     fn columns(&self, n: usize) -> Result<[Strided; 6], Failure> {
         let [x, y] = optional_output("importance.image", n, &self.image)?;
         let [importance] = output("importance.importance", n, &self.importance)?;
@@ -59,7 +63,7 @@ impl realistic_importance {
 /// Writes numbers to the elements of a column from `first` on, unless the column is omitted.
 ///
 /// # Safety
-/// The column has room for them.
+/// The column has room for the numbers.
 unsafe fn put(column: Strided, first: usize, numbers: &[f64]) {
     if column.is_there() {
         // SAFETY: the caller's promise.
@@ -67,7 +71,7 @@ unsafe fn put(column: Strided, first: usize, numbers: &[f64]) {
     }
 }
 
-/// Returns the adjoint camera; checks first for the memory to build it, if it is not built yet.
+/// Returns the adjoint camera. If it is not built yet, first checks that there is enough memory to build it.
 fn adjoint(handle: &Handle) -> Result<&AdjointCamera, Failure> {
     let camera = handle.camera();
     if !camera.has_adjoint() {
@@ -76,7 +80,7 @@ fn adjoint(handle: &Handle) -> Result<&AdjointCamera, Failure> {
     camera.adjoint().map_err(|error| Failure::invalid(error.to_string()))
 }
 
-/// Rays of world space that enter a camera.
+/// Rays in world space that enter a camera.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 #[allow(non_camel_case_types)]
@@ -92,11 +96,11 @@ pub struct realistic_importance_rays {
     pub time: realistic_input,
 }
 
-/// Computes the importance of `n` rays that enter the camera: 0 for a ray that does not reach the film, comes from
-/// behind, arrives while the shutter is closed, or has numbers that are not finite. A ray within rounding of an
-/// aperture's edge may have importance 0 although the camera's own ray passes. Returns
-/// `REALISTIC_STATUS_INVALID_PARAMETER` for models whose rays have no area: "perspective" and "orthographic" without
-/// `lens_radius`, and "environment".
+/// Computes the importance of `n` rays that enter the camera. It is 0 for a ray that does not reach the film,
+/// comes from behind, arrives while the shutter is closed, or has numbers that are not finite. A ray within
+/// rounding of an aperture's edge may have importance 0 although the camera's own ray passes. Returns
+/// `REALISTIC_STATUS_INVALID_PARAMETER` for models whose rays all begin at one point or are parallel:
+/// "perspective" and "orthographic" without `lens_radius`, and "environment".
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_camera_importance(
     camera: *const realistic_camera,
@@ -122,7 +126,7 @@ pub unsafe extern "C" fn realistic_camera_importance(
         for first in (0..n).step_by(BLOCK) {
             let count = BLOCK.min(n - first);
             requested.clear();
-            // SAFETY: the caller's promise, and the required arrays are there.
+            // SAFETY: the caller's promise; the required arrays are present.
             unsafe {
                 requested.extend((first..first + count).map(|i| WorldRay {
                     origin: origin.map(|column| column.get(i)),
@@ -164,21 +168,22 @@ pub struct realistic_scene_points {
 pub struct realistic_aimed {
     /// `sizeof(realistic_aimed)`.
     pub struct_size: u32,
-    /// Points (x, y, z) where the rays meet the front of the lens; an object between the scene point and this point
-    /// blocks the light.
+    /// Points (x, y, z) where the rays meet the front of the lens; an object between the scene point and such
+    /// a point blocks the light.
     pub origin: realistic_output,
-    /// Unit vectors (x, y, z) from the scene points toward those points.
+    /// Unit vectors (x, y, z) from the scene points toward the points in `origin`.
     pub direction: realistic_output,
-    /// Density of each direction per solid angle at the scene point. This and all other numbers are 0 if there is no
-    /// direction along which light could reach the film.
+    /// Density of each direction per solid angle at the scene point. This number and all others of the point
+    /// are 0 if there is no direction along which light could reach the film.
     pub density: realistic_output,
 }
 
-/// Samples directions toward the lens from `n` points of the scene, in the pupil as seen from each point, and computes
-/// the importance of a ray along each, as `realistic_camera_importance` does. A point that emits radiance L at an angle
-/// of cosine c to its normal adds importance · L · c / (density · density of the point) at (image_x, image_y); a sample
-/// of importance 0 counts in the mean. A point that is not in front of the lens between `hither` and `yon` has no
-/// direction. A camera's first call builds the entrance-pupil table, in 20 to 100 ms on two cores.
+/// Samples directions toward the lens from `n` points of the scene, in the pupil as seen from each point.
+/// Also computes the importance of a ray along each direction, as `realistic_camera_importance` does. A point
+/// that emits radiance L along a direction whose angle to the point's normal has the cosine c adds importance
+/// · L · c / (density · density of the point) to the picture at `image`; a sample with importance 0 counts in
+/// the mean. A point that is not in front of the lens between `hither` and `yon` has no direction. The first
+/// call for a camera builds the entrance-pupil table, which takes 20 to 100 ms on two cores.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_camera_sample_importance(
     camera: *const realistic_camera,
@@ -210,7 +215,7 @@ pub unsafe extern "C" fn realistic_camera_sample_importance(
             let mut requested = PointColumns::<5>::new(count);
             for (column, numbers) in [x, y, z, u, v].into_iter().zip(requested.each_mut()) {
                 for (i, number) in (first..).zip(numbers) {
-                    // SAFETY: the caller's promise, and the required arrays are there.
+                    // SAFETY: the caller's promise; the required arrays are present.
                     *number = unsafe { column.get(i) }.into();
                 }
             }

@@ -1,4 +1,4 @@
-//! Converts a C caller's `realistic_options` to parameters and host.
+//! Converts a C caller's `realistic_options` to parameters and a host.
 
 use std::ffi::{CStr, c_char, c_void};
 use std::mem::size_of;
@@ -17,7 +17,8 @@ use realistic_optics::prescription::MAX_FILE_BYTES;
 
 const IDENTITY: [f32; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
-/// A member that holds a parameter: its value for "not given", and the parameter's value.
+/// A type of member that holds a parameter: the value that means "not given", and the conversion to the
+/// parameter's value.
 trait Member: Copy {
     const NOT_GIVEN: Self;
 
@@ -63,8 +64,8 @@ impl Member for *const c_char {
     }
 }
 
-/// Conversion of a typed parameter to a member. `text` stores a text while the options are in use and returns a pointer
-/// to it.
+/// Conversion of a typed parameter to a member. `text` stores a text for as long as the options are in use
+/// and returns a pointer to it.
 trait AsMember<M> {
     fn member<E>(&self, text: &mut impl FnMut(String) -> Result<*const c_char, E>) -> Result<M, E>;
 }
@@ -133,8 +134,9 @@ macro_rules! options {
         }
 
         impl realistic_options {
-            /// Sets the members whose parameters are given and leaves the others: the inverse of reading a caller's
-            /// options. `text` stores a text while the options are in use and returns a pointer to it.
+            /// Sets the members of the parameters that are given and leaves the others unchanged: the inverse
+            /// of reading a caller's options. `text` stores a text for as long as the options are in use and
+            /// returns a pointer to it.
             ///
             /// # Errors
             /// Returns an error of `text`.
@@ -149,7 +151,7 @@ macro_rules! options {
                 Ok(())
             }
 
-            /// Returns the parameters that are given.
+            /// Returns the parameters that the caller gave.
             ///
             /// # Safety
             /// The strings are NULL or end in NUL.
@@ -180,16 +182,17 @@ for_each_parameter! {
         pub xres: i32,
         /// Image height in pixels, 1 or more. No default.
         pub yres: i32,
-        /// Row-major 4x4 matrix for column vectors that transforms camera space (units of `mm_per_unit`, +z forward, +x
-        /// right, +y up) to world space. Its last row is 0 0 0 1, within rounding. `realistic_options_init` sets the
-        /// identity.
+        /// Row-major 4x4 matrix for column vectors that transforms camera space (units of `mm_per_unit`, +z
+        /// forward, +x right, +y up) to world space. Its last row must be 0 0 0 1, within rounding.
+        /// `realistic_options_init` sets the identity.
         pub camera_to_world: [f32; 16],
-        /// Second matrix of a moving camera: `camera_to_world` holds at `transform_start`, this one at `transform_end`.
-        /// Translation, rotation and scale are interpolated between them. All NaN: the camera does not move.
+        /// Second matrix of a moving camera, which holds at `transform_end`; `camera_to_world` holds at
+        /// `transform_start`. Translation, rotation and scale are interpolated between them. If all entries
+        /// are NaN, the camera does not move.
         pub camera_to_world_end: [f32; 16],
-        /// The time of `camera_to_world`. NaN: `shutter_open`.
+        /// The time at which `camera_to_world` holds. NaN means `shutter_open`.
         pub transform_start: f64,
-        /// The time of `camera_to_world_end`. NaN: `shutter_close`.
+        /// The time at which `camera_to_world_end` holds. NaN means `shutter_close`.
         pub transform_end: f64,
         /// Receives messages; NULL for none.
         pub log: realistic_log,
@@ -199,16 +202,17 @@ for_each_parameter! {
         pub lens_text: *const c_char,
         /// Number of bytes at `lens_text`, at most 1,048,576 (1 MiB), as for any lens file.
         pub lens_text_size: usize,
-        /// A camera with nearly the same options, at another focus, stop, zoom or pose, such as the previous frame's in
-        /// an animation; NULL for none. The new camera takes over the data that depends on unchanged options only, and
-        /// does not read the lens file again. It equals, bit for bit, a camera built without the donor. The donor is
-        /// not changed and may be freed once the call returns. Lenses and autofocus do not use it.
+        /// A camera whose options differ only in focus, stop, zoom or pose, such as that of the previous
+        /// frame of an animation; NULL for none. The new camera reuses the data that depends only on
+        /// unchanged options, and does not read the lens file again. It is bit-identical to a camera built
+        /// without the donor. The donor is not changed and may be freed once the call returns. Lenses and
+        /// autofocus do not use it.
         pub donor: *const realistic_camera,
     }
 }
 
-/// Sets every field to "not given" and the transform to the identity; `struct_size` is `sizeof(realistic_options)`.
-/// Only `xres` and `yres` must be set afterwards.
+/// Sets every member to "not given", the transform to the identity, and `struct_size` to
+/// `sizeof(realistic_options)`. Only `xres` and `yres` must be set afterwards.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_options_init(
     options: *mut realistic_options,
@@ -250,7 +254,7 @@ impl realistic_options {
     /// Returns the donor camera, if there is one.
     ///
     /// # Safety
-    /// `donor` is NULL or a camera, not freed for `'a`.
+    /// `donor` is NULL or a camera that is not freed during `'a`.
     ///
     /// # Errors
     /// The donor is not a camera of this library.
@@ -266,7 +270,7 @@ impl realistic_options {
     /// Returns the host for a lens without a film; its raster is arbitrary.
     ///
     /// # Safety
-    /// As for [`realistic_options::host`].
+    /// The promise of [`realistic_options::host`].
     pub(super) unsafe fn lens_host(&self) -> Result<Host, Failure> {
         let mut host = Host::new(Raster { xres: 1, yres: 1 }, plugin_directory());
         // SAFETY: the caller's promise.
@@ -274,7 +278,7 @@ impl realistic_options {
         Ok(host)
     }
 
-    /// Returns the text of a lens file, with its name in messages.
+    /// Returns the text of a lens file and the name that messages use for it.
     ///
     /// # Safety
     /// `lens_text` is NULL or points to `lens_text_size` bytes.
@@ -282,7 +286,7 @@ impl realistic_options {
         if self.lens_text.is_null() {
             return Ok(None);
         }
-        // An uninitialised or wrong length must not be read to its end.
+        // A length that is uninitialised or wrong must not cause reading beyond the text.
         if self.lens_text_size as u64 > MAX_FILE_BYTES {
             let text = format!(
                 "lens_text_size is {}; a lens file has at most {MAX_FILE_BYTES} bytes",
@@ -317,7 +321,7 @@ impl realistic_options {
         let end_time = given(self.transform_end).map_or_else(|| shutter.shutter_close(), Ok)?;
         let mut ends = [(start, start_time), (end, end_time)];
         if end_time < start_time && self.transform_start.is_nan() && self.transform_end.is_nan() {
-            // The shutter's time runs backward, from the first transform's to the second's.
+            // The shutter's time runs backward, from the time of the first transform to that of the second.
             ends.reverse();
         }
         let [earlier, later] = ends;
@@ -374,7 +378,7 @@ mod tests {
         assert_eq!([x(shutter, 2.0), x(shutter, 3.0), x(shutter, 6.0)], [0.0, 2.0, 8.0]);
         let times = realistic_options { transform_start: 0.0, transform_end: 4.0, ..shutter };
         assert_eq!([x(times, 2.0), x(times, 6.0)], [4.0, 8.0]);
-        // With a shutter that runs backward, the first transform still holds at the shutter's opening.
+        // With a shutter whose time runs backward, the first transform still holds when the shutter opens.
         let backward = realistic_options { shutter_open: 6.0, shutter_close: 2.0, ..options };
         assert_eq!([x(backward, 6.0), x(backward, 5.0), x(backward, 2.0)], [0.0, 2.0, 8.0]);
     }

@@ -1,4 +1,5 @@
-//! Rays of one sample, for a camera from C or from pbrt: the sample's ray, or the rays of a request.
+//! Generates the rays of one sample, for a camera made from C or by pbrt: the sample's ray, or the rays of a
+//! request.
 
 use std::mem::{MaybeUninit, size_of};
 
@@ -14,12 +15,14 @@ use super::{
 };
 use ::realistic_camera::{Rays, Sample, Samples, WorldRay, plan::Entry, rays::FourRays};
 
-/// Generates one ray of a camera made by `CreateCamera` or `realistic_camera_new`. Returns its weight; 0, with `*ray`
-/// unchanged, if the lens blocks the ray, a pointer is NULL, or the camera is another library's.
+/// Generates one ray of a camera made by `CreateCamera` or `realistic_camera_new`, and returns the ray's
+/// weight. The weight is 0, and `*ray` is not changed, if the lens blocks the ray, a pointer is NULL, or the
+/// camera was not made by this library.
 ///
-/// `request` is NULL, or requests wavelengths or a reason; `ray` has room for `wavelengths_per_sample` rays. Returns
-/// the weight of the first ray. If the request is refused, returns 0, leaves a message and writes nothing. A camera's
-/// first request for a wavelength takes 2 to 35 ms, 50 for a phone lens, once for all threads.
+/// `request` is NULL, or requests wavelengths or a reason. With a request, `ray` has room for
+/// `wavelengths_per_sample` rays, and the function returns the weight of the first ray. If the request is
+/// refused, the function returns 0, stores a message and writes nothing. The first request for a wavelength
+/// takes 2 to 35 ms (50 ms for a phone lens), once per camera for all threads.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_generate_ray(
     camera: *const realistic_camera,
@@ -33,8 +36,8 @@ pub unsafe extern "C" fn realistic_generate_ray(
     }
 }
 
-/// [`realistic_generate_ray`] without a request, under the name and with the types of the course assignment: for
-/// `const Camera *`, `const Sample *` and `Ray *` of a pbrt-v1 host.
+/// Generates a ray like [`realistic_generate_ray`] without a request, under the name and with the types of
+/// the course assignment: it takes `const Camera *`, `const Sample *` and `Ray *` of a pbrt-v1 host.
 #[unsafe(no_mangle)]
 #[allow(non_snake_case)]
 pub unsafe extern "C" fn GenerateRay(
@@ -47,14 +50,14 @@ pub unsafe extern "C" fn GenerateRay(
 }
 
 /// # Safety
-/// As for [`realistic_generate_ray`].
+/// The promises of [`realistic_generate_ray`].
 #[inline(always)]
 unsafe fn plain(
     camera: *const realistic_camera,
     sample: *const realistic_sample,
     ray: *mut realistic_ray,
 ) -> f32 {
-    // The tracer writes the weight here; it is read once.
+    // The tracer writes the weight to this variable, which is read once.
     let mut weight = 0.0;
     let is_done = boundary::ray(false, || {
         // SAFETY: the caller's promise.
@@ -72,7 +75,7 @@ unsafe fn plain(
 }
 
 /// # Safety
-/// As for [`realistic_generate_ray`]; the request is not NULL.
+/// The promises of [`realistic_generate_ray`]; also, the request is not NULL.
 #[inline(never)]
 unsafe fn requested(
     camera: *const realistic_camera,
@@ -103,10 +106,11 @@ unsafe fn requested(
     })
 }
 
-/// Generates one ray with its differentials, in little more than the time of one ray: the ray of the sample, and the
-/// rays one pixel to the right and one pixel down. These equal, bit for bit, the rays of `realistic_generate_ray` at
-/// `image_x` + 1 and at `image_y` + 1, but do not depend on whether the shutter is open there. Returns the weight as
-/// `realistic_generate_ray` does, for the same `request`; 0 with a message if `ray->struct_size` is not set.
+/// Generates one ray with its differentials, in little more than the time of one ray: the ray of the sample,
+/// and the rays one pixel to the right and one pixel down. The latter two are bit-identical to the rays of
+/// `realistic_generate_ray` at `image_x` + 1 and at `image_y` + 1, except that they exist even if the shutter
+/// is closed there. Returns the weight as `realistic_generate_ray` does, for the same `request`; returns 0
+/// and stores a message if `ray->struct_size` is not set.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_generate_ray_differential(
     camera: *const realistic_camera,
@@ -125,7 +129,7 @@ pub unsafe extern "C" fn realistic_generate_ray_differential(
 }
 
 /// # Safety
-/// As for [`realistic_generate_ray_differential`].
+/// The promises of [`realistic_generate_ray_differential`].
 #[inline(always)]
 unsafe fn plain_differential(
     camera: *const realistic_camera,
@@ -136,12 +140,12 @@ unsafe fn plain_differential(
         if ray.is_null() {
             return 0.0;
         }
-        // SAFETY: not NULL; the first field is always there.
+        // SAFETY: the pointer is not NULL, and the first field is always present.
         let size = unsafe { (&raw const (*ray).struct_size).read() } as usize;
         if size != size_of::<realistic_ray_differential>() {
             return no_such_size(size as u32);
         }
-        // SAFETY: the caller's promise, and the size is right.
+        // SAFETY: the caller's promise; the size is correct.
         let parts = unsafe { (object::handle_of(camera), sample.cast::<Sample>().as_ref(), &mut *ray) };
         let (Some(handle), Some(sample), ray) = parts else { return 0.0 };
         let mut rays = FourRays::NONE;
@@ -153,7 +157,7 @@ unsafe fn plain_differential(
     })
 }
 
-/// Leaves the message about a wrong `struct_size`, and returns weight 0.
+/// Stores the message about a wrong `struct_size`, and returns the weight 0.
 #[cold]
 fn no_such_size(size: u32) -> f32 {
     boundary::value(0.0, || {
@@ -162,7 +166,7 @@ fn no_such_size(size: u32) -> f32 {
 }
 
 /// # Safety
-/// As for [`realistic_generate_ray_differential`]; the request is not NULL.
+/// The promises of [`realistic_generate_ray_differential`]; also, the request is not NULL.
 #[inline(never)]
 unsafe fn requested_differential(
     camera: *const realistic_camera,
@@ -174,12 +178,12 @@ unsafe fn requested_differential(
         // SAFETY: the caller's promise.
         let (handle, sample, per_ray) = unsafe { checked(camera, sample, request)? };
         let ray = not_null("ray", ray)?;
-        // SAFETY: not NULL; the first field is always there.
+        // SAFETY: the pointer is not NULL, and the first field is always present.
         let size = unsafe { (&raw const (*ray).struct_size).read() };
         check_size("realistic_ray_differential", size, size_of::<realistic_ray_differential>())?;
         let (mut rays, mut weight) = (FourRays::NONE, 0.0);
         let weights = per_ray.weights_or(&mut weight);
-        // SAFETY: the caller's promise, and the size is right.
+        // SAFETY: the caller's promise; the size is correct.
         unsafe {
             for k in 0..per_ray.rays {
                 let wavelength = per_ray.wavelengths.is_there().then(|| per_ray.wavelengths.get(k));
@@ -199,7 +203,7 @@ unsafe fn requested_differential(
 /// Returns the camera, the sample, and the part of a request that concerns its rays.
 ///
 /// # Safety
-/// As for [`realistic_generate_ray`].
+/// The promises of [`realistic_generate_ray`].
 #[inline(always)]
 unsafe fn checked<'a>(
     camera: *const realistic_camera,
@@ -225,7 +229,7 @@ fn not_null<T>(name: &str, pointer: *mut T) -> Result<*mut T, Failure> {
     if pointer.is_null() { Err(boundary::null(name)) } else { Ok(pointer) }
 }
 
-/// Copies a ray and its neighbours to the caller, number by number, from columns that were written as vectors.
+/// Copies a ray and its neighbours to the caller number by number, from columns that were written as vectors.
 #[inline(always)]
 fn give(rays: &FourRays, to: &mut realistic_ray_differential) {
     let [ox, oy, oz, dx, dy, dz, mint, maxt, time, weight] = rays.columns();

@@ -1,4 +1,5 @@
-//! Views of a caller's arrays: columns of numbers at any stride, checked before anything is read or written.
+//! Views of a caller's arrays: columns of numbers with any stride, which are checked before anything is read
+//! or written.
 
 use std::ptr::{null, null_mut};
 
@@ -8,7 +9,7 @@ use super::{
 };
 use ::realistic_camera::columns::Strided;
 
-// Here and not with the types, because the header would export them as macros.
+// These constants are here and not with the types, because the header would otherwise export them as macros.
 impl realistic_input {
     /// An omitted input.
     pub const NONE: Self = Self { x: null(), y: null(), z: null(), stride: 0 };
@@ -36,12 +37,12 @@ impl realistic_vectors {
     }
 }
 
-/// Returns the components of `n` required elements. `name` is their name in the caller's structure, `names` the
-/// names of the components.
+/// Returns the components of `n` required elements. `name` is the name of the array in the caller's
+/// structure, and `names` are the names of the components.
 ///
 /// # Errors
-/// A component is missing, its elements overlap (inputs may repeat one element), or no memory holds that many elements
-/// at this stride.
+/// A component is missing, elements overlap (inputs may repeat one element), or no memory can hold that many
+/// elements at this stride.
 #[inline(always)]
 fn components<T: Copy, const N: usize>(
     name: &str,
@@ -88,13 +89,13 @@ fn endless(name: &str, n: usize, stride: isize) -> Failure {
     ))
 }
 
-/// The names of the components of a vector, the first of which is that of a number.
+/// The names of the components of a vector; the first is also used for a plain number.
 const XYZ: [&str; 3] = [".x", ".y", ".z"];
 
-/// Returns the columns of required input vectors, or of pairs or numbers with N of 2 or 1.
+/// Returns the columns of a required input: of vectors or, with N of 2 or 1, of pairs or numbers.
 ///
 /// # Errors
-/// As for [`components`].
+/// The errors of [`components`].
 #[inline(always)]
 pub(super) fn input<const N: usize>(
     name: &str,
@@ -105,19 +106,19 @@ pub(super) fn input<const N: usize>(
     components(name, first_of(XYZ), n, first_of(firsts), given.stride, true)
 }
 
-/// Returns the column of input numbers, or none if they are omitted.
+/// Returns the column of input numbers, or a missing column if they are omitted.
 ///
 /// # Errors
-/// As for [`components`].
+/// The errors of [`components`].
 #[inline(always)]
 pub(super) fn optional_input(name: &str, n: usize, given: &realistic_input) -> Result<Strided, Failure> {
     if given.x.is_null() { Ok(Strided::NONE) } else { input(name, n, given).map(|[numbers]| numbers) }
 }
 
-/// Returns the columns of required output vectors, or of pairs or numbers with N of 2 or 1.
+/// Returns the columns of a required output: of vectors or, with N of 2 or 1, of pairs or numbers.
 ///
 /// # Errors
-/// As for [`components`].
+/// The errors of [`components`].
 #[inline(always)]
 pub(super) fn output<const N: usize>(
     name: &str,
@@ -127,10 +128,10 @@ pub(super) fn output<const N: usize>(
     components(name, first_of(XYZ), n, first_of([given.x, given.y, given.z]), given.stride, false)
 }
 
-/// Returns the columns of an output as [`output`] does, or none if it is omitted.
+/// Returns the columns of an output as [`output`] does, or missing columns if it is omitted.
 ///
 /// # Errors
-/// As for [`components`].
+/// The errors of [`components`].
 #[inline(always)]
 pub(super) fn optional_output<const N: usize>(
     name: &str,
@@ -143,15 +144,15 @@ pub(super) fn optional_output<const N: usize>(
 /// Returns the columns of vectors in double precision.
 ///
 /// # Errors
-/// As for [`components`].
+/// The errors of [`components`].
 pub(super) fn vectors(name: &str, n: usize, given: &realistic_vectors) -> Result<[Strided<f64>; 3], Failure> {
     components(name, XYZ, n, [given.x, given.y, given.z], given.stride, false)
 }
 
-/// Returns the column of results or counts, one per element, or none if it is omitted.
+/// Returns the column of results or counts, one per element, or a missing column if it is omitted.
 ///
 /// # Errors
-/// As for [`components`].
+/// The errors of [`components`].
 #[inline(always)]
 pub(super) fn optional_column<T: Copy>(
     name: &str,
@@ -166,7 +167,7 @@ pub(super) fn optional_column<T: Copy>(
     Ok(column)
 }
 
-/// Returns the first N of three.
+/// Returns the first N of three values.
 #[inline(always)]
 fn first_of<T: Copy, const N: usize>(all: [T; 3]) -> [T; N] {
     std::array::from_fn(|k| all[k])

@@ -43,7 +43,7 @@ pub struct Camera {
     /// Width and height of the image, pixels.
     resolution: [f32; 2],
     crop: Crop,
-    /// The adjoint camera, once a call has requested it.
+    /// The adjoint camera, which is built when a call first requests it.
     adjoint: OnDemand<Result<Arc<AdjointCamera>, ImportanceError>>,
 }
 
@@ -71,14 +71,15 @@ impl Camera {
     /// parameters that the model does not use.
     ///
     /// # Errors
-    /// A parameter or the lens file is invalid; the message names the fault and what to give instead.
+    /// A parameter or the lens file is invalid; the message names the error and what to give instead.
     pub fn build(parameters: &Parameters, host: &Host, log: Log<'_>) -> Result<Self, CameraError> {
         Self::build_from(None, parameters, host, log)
     }
 
-    /// Builds the same camera as [`Camera::build`], bit for bit, in less time: `donor` is a camera with another focus,
-    /// stop, zoom or placement, whose parts are reused if their parameters are the same. A lens file of the same name
-    /// is not read again. Only cameras of the model "lens" reuse parts.
+    /// Builds the same camera as [`Camera::build`], bit for bit, in less time. `donor` is a camera that
+    /// differs only in focus, stop, zoom or placement; the new camera reuses the parts of `donor` whose
+    /// parameters are the same. A lens file of the same name is not read again. Only cameras of the model
+    /// "lens" reuse parts.
     ///
     /// # Errors
     /// The errors of [`Camera::build`].
@@ -116,14 +117,17 @@ impl Camera {
         Ok(camera)
     }
 
-    /// Traces a ray for each sample. The number of samples changes no bit; with a tolerance, each ray is within it.
+    /// Traces a ray for each sample. The number of samples in the call does not change any bit of a ray if
+    /// the tolerance is 0; otherwise each ray is within the tolerance.
     ///
-    /// For samples with wavelengths the glasses have the indices of their own formulas there; lens, film, stop and the divisor
-    /// of `weighting` stay those of the camera's own wavelength. Such rays are traced exactly, also with a tolerance. A lens file
-    /// without dispersion data and every model but "lens" give the same rays at every wavelength from 380 to 780 nm.
+    /// For samples with wavelengths, the glasses have the refractive indices at those wavelengths, from their
+    /// own dispersion formulas; the lens positions, the film, the stop and the divisor of `weighting` stay
+    /// those of the camera's own wavelength. Such rays are traced exactly, even with a tolerance. For a lens
+    /// file without dispersion data, and for every model but "lens", the rays are the same at every
+    /// wavelength from 380 to 780 nm.
     ///
-    /// Neighbours are the rays of the same lens and time sample at image x + 1 and at image y + 1. They depend on the lens only, not
-    /// on whether the shutter is open there.
+    /// A ray's neighbours are the rays with the same lens sample and time at image x + 1 and at image y + 1.
+    /// They depend on the lens only: they are traced even if the shutter is closed at their own image point.
     ///
     /// # Panics
     /// `rays` differs in length from `samples`.
@@ -131,7 +135,7 @@ impl Camera {
         self.trace_as(Entry::Many, samples, rays);
     }
 
-    /// [`Camera::trace`] for a single call or a batch; with a tolerance each may have a tracer of its own.
+    /// [`Camera::trace`] for a single call or a batch; with a tolerance, the two may use different tracers.
     #[inline(always)]
     pub fn trace_as(&self, entry: Entry, samples: &Samples<'_>, rays: &mut Rays<'_>) {
         assert_eq!(samples.len(), rays.len(), "room for as many rays as there are samples");
@@ -222,8 +226,8 @@ impl Camera {
         (weight > 0.0).then_some((ray, weight))
     }
 
-    /// Traces the ray of a sample, with its weight, at a wavelength, nm, or the camera's own; or returns why it is blocked, which
-    /// takes longer than a ray.
+    /// Traces the ray of a sample and returns it with its weight; `wavelength`, nm, defaults to the camera's
+    /// own. For a blocked sample it returns the reason, which takes longer to find than a ray.
     pub fn generate(&self, sample: &Sample, wavelength: Option<f32>) -> Outcome {
         if self.share(sample.image_y, sample.time).is_none() {
             return Outcome::Shut;
@@ -257,7 +261,8 @@ impl Camera {
         }
     }
 
-    /// Traces the ray of a sample, with its weight, and its neighbours as in [`Camera::trace`]; `None` if the ray is blocked.
+    /// Traces the ray of a sample and its neighbours as in [`Camera::trace`], and returns them with the ray's
+    /// weight; `None` if the ray is blocked.
     pub fn ray_differential(&self, sample: &Sample) -> Option<(RayDifferential, f32)> {
         let mut rays = FourRays::NONE;
         self.trace_neighbours(sample, None, &mut rays);
@@ -266,8 +271,8 @@ impl Camera {
         own.map(|(ray, weight)| (RayDifferential { ray, rx, ry }, weight))
     }
 
-    /// Traces the ray of a sample and its neighbours, at index 0, 1 (right) and 2 (below), in one vector; at a wavelength, nm, or the
-    /// camera's own. A blocked ray has the weight 0.
+    /// Traces the ray of a sample (index 0) and its neighbours to the right (1) and below (2) in one SIMD
+    /// vector; `wavelength`, nm, defaults to the camera's own. A blocked ray has the weight 0.
     pub fn trace_neighbours(&self, sample: &Sample, wavelength: Option<f32>, rays: &mut FourRays) {
         let Sample { image_x: x, image_y: y, time, .. } = *sample;
         self.trace_four(&at_points(sample, [x, x + 1.0, x, x], [y, y, y + 1.0, y]), wavelength, rays);
@@ -276,8 +281,8 @@ impl Camera {
         }
     }
 
-    /// Traces three rays of one time in one vector, each with its own weight behind the shutter. Returns `false`, and does
-    /// nothing, if three calls take no longer.
+    /// Traces three rays of the same time in one SIMD vector, and applies the shutter's transmission to the
+    /// weight of each. Returns `false`, and does nothing, if three separate calls take no longer.
     #[inline]
     pub fn trace_three(&self, samples: &[[f32; 4]; 5], rays: &mut FourRays) -> bool {
         if !self.rays.gains_by_four() {
@@ -293,10 +298,11 @@ impl Camera {
         true
     }
 
-    /// Traces three samples, the fourth being a copy, at a wavelength, nm, or the camera's own.
+    /// Traces three samples and a fourth that is a copy of one of them; `wavelength`, nm, defaults to the
+    /// camera's own.
     #[inline(always)]
     fn trace_four(&self, samples: &[[f32; 4]; 5], wavelength: Option<f32>, rays: &mut FourRays) {
-        // Four fill a vector, which needs no mask.
+        // Four samples fill a SIMD vector, so no mask is needed.
         let count = if self.rays.gains_by_four() { 4 } else { 3 };
         let columns = Samples::columns(samples.each_ref().map(|column| &column[..count]));
         match wavelength {
@@ -309,12 +315,13 @@ impl Camera {
         }
     }
 
-    /// Whether a request for wavelengths allocates nothing: it is not the first, or wavelengths change nothing.
+    /// Whether a request for wavelengths allocates nothing, because there was an earlier request or because
+    /// wavelengths do not change the rays.
     pub fn is_ready_for_wavelengths(&self) -> bool {
         self.rays.spectral().is_none_or(Spectral::is_built)
     }
 
-    /// Share of the light that the shutter transmits; `None` if it is closed.
+    /// Returns the share of the light that the shutter transmits; `None` if the shutter is closed.
     fn share(&self, image_y: f32, time: f32) -> Option<f32> {
         if self.shutter == Shutter::Global {
             return Some(1.0);
@@ -323,14 +330,16 @@ impl Camera {
         (share != 0.0).then_some(share)
     }
 
-    /// Multiplies a weight by the shutter's share. A positive weight stays positive, for 0 means blocked.
+    /// Multiplies a weight by the share that the shutter transmits. A positive weight stays positive, because
+    /// 0 means blocked.
     fn shut(&self, image_y: f32, time: f32, weight: &mut f32) {
         let share = self.share(image_y, time).filter(|_| *weight > 0.0);
         *weight = share.map_or(0.0, |share| (*weight * share).max(f32::MIN_POSITIVE));
     }
 
-    /// Returns a substitute for a blocked ray, for hosts that need a complete ray. It leaves the same film point, by the
-    /// thick lens or through the middle of the lens; it goes straight ahead if the film point is not finite.
+    /// Returns a substitute for a blocked ray, for hosts that need a complete ray. The substitute starts from
+    /// the same film point and follows the thick lens or passes through the centre of the lens; if the film
+    /// point is not finite, it points straight ahead.
     pub fn substitute(&self, sample: &Sample) -> WorldRay {
         let ray = match &self.model {
             AnyModel::Lens(camera) => Some(camera.substitute(sample)).filter(WorldRay::is_sound),
@@ -342,8 +351,9 @@ impl Camera {
         ray.unwrap_or_else(|| self.rays.placement().axial_ray(sample.time))
     }
 
-    /// Returns the adjoint camera: importance of rays from the scene, and directions toward the lens. The first call
-    /// builds it; the first request for a direction then builds the table of the lens as seen from the scene.
+    /// Returns the adjoint camera, which computes the importance of rays from the scene and samples
+    /// directions toward the lens. The first call builds it; the first request for a direction then tabulates
+    /// the lens as seen from the scene.
     ///
     /// # Errors
     /// The camera is a stock camera without a lens, for which importance is not defined.
@@ -359,12 +369,13 @@ impl Camera {
         made.as_deref().map_err(Clone::clone)
     }
 
-    /// Whether a direction toward the lens has been requested before, so that the next request builds nothing.
+    /// Whether a direction toward the lens has already been requested, so that the next request builds
+    /// nothing.
     pub fn has_adjoint(&self) -> bool {
         matches!(self.adjoint.get(), Some(Ok(adjoint)) if adjoint.is_complete())
     }
 
-    /// Returns the parts that the camera keeps and leaves out.
+    /// Returns the plan, which lists the parts that the camera keeps and those that it leaves out.
     pub fn plan(&self) -> Plan {
         if let AnyModel::Lens(camera) = &self.model {
             return camera.plan().clone();
@@ -374,22 +385,23 @@ impl Camera {
         plan
     }
 
-    /// Returns the times at which the shutter begins to open and has closed, in the host's unit of time.
+    /// Returns the time at which the shutter begins to open and the time at which it has closed, in the
+    /// host's unit of time.
     pub fn shutter_interval(&self) -> [f32; 2] {
         self.rays.placement().shutter
     }
 
-    /// The part of the picture that the host has to render. Samples outside it have rays, too.
+    /// Returns the part of the picture that the host has to render. Samples outside this part have rays, too.
     pub fn crop(&self) -> Crop {
         self.crop
     }
 
-    /// `hither` and `yon` as they are in use, world units.
+    /// Returns the values of `hither` and `yon` in use, world units.
     pub fn clip(&self) -> [f32; 2] {
         self.rays.placement().clip
     }
 
-    /// Returns the camera of [`Model::Lens`].
+    /// Returns the camera if its model is [`Model::Lens`].
     fn as_lens(&self) -> Option<&RealisticCamera> {
         match &self.model {
             AnyModel::Lens(camera) => Some(camera),
@@ -397,7 +409,7 @@ impl Camera {
         }
     }
 
-    /// The lens and the film, and what is known of them; `None` for a model without a prescription.
+    /// Returns the lens, the film and their computed properties; `None` for a model without a prescription.
     pub fn facts(&self) -> Option<&Facts> {
         match &self.model {
             AnyModel::Lens(camera) => Some(camera.facts()),

@@ -1,8 +1,9 @@
 //! Autofocus: finds the film distance that brings the scene in some zones of the film into focus.
 //!
-//! A host that can measure a ray's distance is queried for some rays through each zone ([`by_distance`]); one that only
-//! has pictures measures the contrast of trial cameras ([`Search`]). Zones without an answer do not count; a [`Rule`]
-//! combines the others into one film distance.
+//! A host that can measure the distance along a ray is queried for several rays through each zone
+//! ([`by_distance`]). A host that only has pictures measures the contrast of trial cameras ([`Search`]).
+//! Zones for which no film distance is found do not count; a [`Rule`] combines the film distances of the
+//! others into one.
 
 use thiserror::Error;
 
@@ -33,17 +34,18 @@ pub struct Zone {
 /// The rule that combines several zones into one film distance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Rule {
-    /// The zone that sees the nearest object.
+    /// Chooses the zone that sees the nearest object.
     #[default]
     Nearest,
-    /// The zone nearest to the middle of the picture among those with an answer.
+    /// Chooses, among the zones with a film distance, the one nearest to the centre of the picture.
     Centre,
-    /// The mean of the zones' film distances, which favours near objects as focusing does.
+    /// Takes the mean of the zones' film distances. This mean favours near objects, because the film distance
+    /// grows fast as the object comes near.
     Average,
 }
 
 impl Rule {
-    /// Every rule with its name, in the order of their numbers in the C ABI.
+    /// Every rule with its name, in the order of the rules' numbers in the C ABI.
     pub const NAMES: [(&'static str, Self); 3] =
         [("nearest", Self::Nearest), ("centre", Self::Centre), ("average", Self::Average)];
 }
@@ -54,12 +56,12 @@ pub enum AutofocusError {
     /// The camera cannot be built.
     #[error(transparent)]
     Camera(#[from] CameraError),
-    /// No zones were given.
+    /// No zones are given.
     #[error("autofocus needs at least one zone; the whole picture is 0, 0 to {xres}, {yres}")]
     NoZones {
-        /// Pixels across.
+        /// Number of pixel columns of the picture.
         xres: u32,
-        /// Pixels down.
+        /// Number of pixel rows of the picture.
         yres: u32,
     },
     /// A zone is empty, not finite or not in the picture.
@@ -73,18 +75,18 @@ pub enum AutofocusError {
         index: usize,
         /// The zone.
         zone: Zone,
-        /// Pixels across.
+        /// Number of pixel columns of the picture.
         xres: u32,
-        /// Pixels down.
+        /// Number of pixel rows of the picture.
         yres: u32,
     },
-    /// The lens was to be focused by its groups.
+    /// The lens is to be focused by moving its groups, which leaves no film distance to find.
     #[error(
         "autofocus finds a film distance, and \"focus_by\" \"group\" leaves the film where the lens file has it; leave out \
          \"focus_by\", or give \"focus_distance\" instead of autofocus"
     )]
     ByGroup,
-    /// No zone gave an answer.
+    /// Autofocus finds no film distance in any zone.
     #[error(
         "autofocus found nothing to focus on in {zones} zone(s): {missing}; put a zone on an object with \
          detail, or give \"focus_distance\" or \"film_distance\""
@@ -92,7 +94,7 @@ pub enum AutofocusError {
     Nothing {
         /// Number of zones.
         zones: usize,
-        /// The missing information.
+        /// The information that was missing.
         missing: &'static str,
     },
 }
@@ -109,7 +111,7 @@ impl Zone {
     }
 }
 
-/// Checks that at least one zone is given and that all lie in the picture.
+/// Checks that at least one zone is given and that all zones lie in the picture.
 fn check(zones: &[Zone], Raster { xres, yres }: Raster) -> Result<(), AutofocusError> {
     if zones.is_empty() {
         return Err(AutofocusError::NoZones { xres, yres });
@@ -122,11 +124,11 @@ fn check(zones: &[Zone], Raster { xres, yres }: Raster) -> Result<(), AutofocusE
     }
 }
 
-/// Combines the zones' film distances into one by the rule.
+/// Combines the zones' film distances into one film distance by the rule.
 fn choose(zones: &[Zone], answers: &[Option<f64>], rule: Rule, raster: Raster) -> Option<f64> {
     let answered = || zones.iter().zip(answers).filter_map(|(zone, answer)| Some((zone, (*answer)?)));
     match rule {
-        // The film moves back for nearer objects.
+        // A nearer object needs a larger film distance.
         Rule::Nearest => answered().map(|(_, distance)| distance).reduce(f64::max),
         Rule::Centre => {
             let [x, y] = [raster.xres, raster.yres].map(|end| end as f32 / 2.0);
@@ -140,7 +142,8 @@ fn choose(zones: &[Zone], answers: &[Option<f64>], rule: Rule, raster: Raster) -
     }
 }
 
-/// Returns the parameters that autofocus starts from, without a focus of their own, and their camera at infinity.
+/// Checks that the parameters have no focus setting, and returns their camera focused at infinity and its
+/// [`Focus`].
 fn start(
     parameters: &Parameters,
     host: &Host,
@@ -164,14 +167,14 @@ fn start(
     Ok((camera, focus))
 }
 
-/// Rays across a zone, in each direction.
+/// Number of rays along the width and along the height of a zone.
 const GRID: u16 = 5;
-/// Lens samples to try for each ray; the first that gets through is taken.
+/// Number of lens samples to try for each ray; the first that passes the lens is used.
 const TRIES: u16 = 64;
 
-/// Returns the film distance, mm, from distances that `distance` measures: for a ray in world space, the distance along
-/// it to the first surface in world units; infinity for none, and NaN or a number that is not positive for an unknown
-/// distance. A zone's depth is the median over its rays.
+/// Returns the film distance, mm, from measured distances. For a ray in world space, `distance` returns the
+/// distance along the ray to the first surface, in world units: infinity if there is no surface, and NaN or a
+/// number that is not positive if the distance is unknown. The depth of a zone is the median over its rays.
 ///
 /// # Errors
 /// No camera can be built, a zone is not in the picture, no ray of any zone has a distance, or
@@ -221,8 +224,8 @@ pub fn by_distance(
 /// Returns the film distance that focuses the plane at z = `depth` mm in lens space.
 fn film_distance(focus: &Focus, camera: &RealisticCamera, depth: f64) -> Result<f64, FocusError> {
     const REPETITIONS: u32 = 60;
-    // Film distances count from the last vertex, depths from the first. As the film moves, the distance from it is
-    // found by iteration, which contracts as (f/depth)².
+    // Film distances are measured from the last vertex, depths from the first. The object distance from the
+    // film changes as the film moves, so it is found by iteration, which contracts by (f/depth)² per step.
     let length = -camera.facts().lens.rear().vertex;
     let mut film = camera.facts().film_distance;
     for _ in 0..REPETITIONS {
@@ -236,14 +239,15 @@ fn film_distance(focus: &Focus, camera: &RealisticCamera, depth: f64) -> Result<
     Ok(film)
 }
 
-/// Returns rays from a grid in a zone, through the middle of the lens as far as it transmits them.
+/// Returns rays from a grid of points in a zone, each through the point of the lens nearest to its middle
+/// that transmits the ray.
 fn rays(camera: &RealisticCamera, zone: &Zone) -> Vec<WorldRay> {
     let step =
         |index: u16, low: f32, high: f32| low + (high - low) * (f32::from(index) + 0.5) / f32::from(GRID);
     let at = |index: u16| {
         let (image_x, image_y) =
             (step(index % GRID, zone.left, zone.right), step(index / GRID, zone.top, zone.bottom));
-        // From the middle of the lens outwards, in steps of the golden angle.
+        // Tries points from the middle of the lens outwards, in steps of the golden angle.
         (0..TRIES).find_map(|attempt| {
             let radius = 0.5 * (f32::from(attempt) / f32::from(TRIES)).sqrt();
             let (sine, cosine) = (2.399_963 * f32::from(attempt)).sin_cos();
@@ -260,7 +264,7 @@ fn rays(camera: &RealisticCamera, zone: &Zone) -> Vec<WorldRay> {
     (0..GRID * GRID).filter_map(at).collect()
 }
 
-/// Returns the z in camera space, world units, of the point at a distance along a ray.
+/// Returns the z coordinate in camera space, world units, of the point at distance `along` on a ray.
 fn camera_depth(host: &Host, ray: &WorldRay, along: f64) -> f64 {
     let to_camera = host.to_world.at(ray.time).inverse_rows();
     let row = &to_camera[8..12];
@@ -270,7 +274,7 @@ fn camera_depth(host: &Host, ray: &WorldRay, along: f64) -> f64 {
     if along == f64::INFINITY && direction > 0.0 { f64::INFINITY } else { start + along * direction }
 }
 
-/// Autofocus by contrast: chooses the film distances to try.
+/// Autofocus by contrast: the search that chooses the film distances to try.
 #[derive(Clone, Debug)]
 pub struct Search {
     zones: Vec<Zone>,
@@ -280,11 +284,11 @@ pub struct Search {
     steps: u32,
 }
 
-/// Least and largest number of film distances in the first pass.
+/// Smallest and largest number of film distances in the first pass.
 const STEPS: std::ops::RangeInclusive<u32> = 12..=160;
-/// Change of the blur's diameter from one of them to the next, pixels.
+/// Change of the blur's diameter between successive film distances of the first pass, pixels.
 const BLUR_STEP: f64 = 4.0;
-/// Least change of a zone's contrast, relative to its highest value, that counts as an answer.
+/// Smallest variation of a zone's contrast, relative to its highest value, with which the zone counts.
 const FLAT: f64 = 0.05;
 
 impl Search {
@@ -306,12 +310,13 @@ impl Search {
         Ok(Self { zones: zones.to_vec(), raster: host.raster, nearest, infinity, steps })
     }
 
-    /// Returns the film distance, mm, with the most contrast. `contrast` measures the contrast in a zone of the picture
-    /// with the film at a distance: 0 or more, NaN if it is unknown. The first pass covers the whole range from
-    /// infinity to the nearest distance, the second the neighbourhood of each zone's best.
+    /// Returns the film distance, mm, with the highest contrast. `contrast` measures the contrast in a zone
+    /// of the picture at a given film distance; it returns 0 or more, or NaN if the contrast is unknown. The
+    /// first pass covers the whole range from infinity to the nearest distance; the second refines around the
+    /// best film distance of each zone.
     ///
     /// # Errors
-    /// No zone's contrast depends on the film distance, or an error of `contrast`.
+    /// No zone's contrast depends on the film distance, or `contrast` returns an error.
     pub fn run<E: From<AutofocusError>>(
         &self,
         rule: Rule,
@@ -351,7 +356,8 @@ impl Search {
             if let Some(error) = failure {
                 return Err(error);
             }
-            // A jagged peak may mislead the refinement.
+            // On a jagged peak the refined distance may have less contrast; the best distance of the first
+            // pass is then kept.
             let better = contrast(refined, zone)? >= highest;
             answers.push(Some(if better { refined } else { film_distance(step) }));
         }

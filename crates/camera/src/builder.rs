@@ -1,4 +1,5 @@
-//! The builder of cameras for Rust callers: typed settings, one method each, and the host's data.
+//! The builder of cameras for Rust callers, with a typed method for each setting and methods for the host's
+//! data.
 
 use super::{
     any_camera::Camera,
@@ -14,8 +15,9 @@ use crate::sampling::DiskMapping;
 use realistic_base::message::Log;
 use realistic_optics::{lens::refraction::Refraction, prescription::SearchPath};
 
-/// A camera to be built: [`Camera::builder`](super::Camera::builder). A setting that is not made keeps the default of
-/// [`PARAMETERS`](super::PARAMETERS); only [`resolution`](Self::resolution) has none.
+/// A builder of cameras; create it with [`Camera::builder`](super::Camera::builder). A setting that is not
+/// given keeps the default of [`PARAMETERS`](super::PARAMETERS); only [`resolution`](Self::resolution) has no
+/// default.
 ///
 /// ```
 /// # extern crate realistic_camera as realistic;
@@ -75,30 +77,31 @@ impl CameraBuilder {
         self
     }
 
-    /// Sets the directories that are searched for lens files after the working directory; by default those of
-    /// `PBRT_SEARCHPATH`.
+    /// Sets the directories that are searched for lens files after the working directory. The default is the
+    /// directories of `PBRT_SEARCHPATH`.
     #[must_use]
     pub fn search_path(mut self, search: SearchPath) -> Self {
         self.host.search = search;
         self
     }
 
-    /// Sets whether the caller samples again if a camera with [`DiskMapping::Rejection`] requests it; by default it
-    /// does.
+    /// Sets whether the caller draws a new lens sample when a camera with [`DiskMapping::Rejection`] requests
+    /// one. The default is `true`.
     #[must_use]
     pub fn can_redraw(mut self, can: bool) -> Self {
         self.host.can_redraw = can;
         self
     }
 
-    /// Sets the text of a lens file instead of [`lens_file`](Self::lens_file), and its name in messages.
+    /// Sets the text of a lens, which replaces the file of [`lens_file`](Self::lens_file), and the name that
+    /// messages use for it.
     #[must_use]
     pub fn lens_text(mut self, name: &str, text: &[u8]) -> Self {
         self.host.lens_text = Some((name.to_owned(), text.to_vec()));
         self
     }
 
-    /// Sets the pixels of the image across and down, each 1 or more.
+    /// Sets the width and height of the image in pixels, each 1 or more.
     #[must_use]
     pub fn resolution(mut self, xres: u32, yres: u32) -> Self {
         self.host.raster = Raster { xres, yres };
@@ -121,9 +124,9 @@ impl CameraBuilder {
         Camera::build(&self.parameters, &self.host, log)
     }
 
-    /// Builds the camera of [`build`](Self::build), identical to the last bit, but sooner: it takes over from an
-    /// existing camera, such as that of the previous frame, everything that follows from the same settings. Its lens
-    /// file is not read again.
+    /// Builds the same camera as [`build`](Self::build), identical to the last bit, in less time. It reuses
+    /// every part of an existing camera, such as that of the previous frame, that depends only on settings
+    /// that have not changed. The lens file is not read again.
     ///
     /// ```
     /// # extern crate realistic_camera as realistic;

@@ -1,23 +1,25 @@
-//! Columns of numbers with one number per element: a caller's, at any stride, and contiguous buffers for a block of elements.
+//! Columns with one number per element: a caller's columns with any stride, and contiguous buffers for a
+//! block of elements.
 //!
-//! Four adjacent numbers of each element, as in structures, are copied at once: four elements form a 4 x 4 matrix, which is transposed
-//! in registers.
+//! Four numbers that are adjacent in each element, as members of a structure are, are copied together: those
+//! of four elements form a 4 x 4 matrix, which is transposed in registers.
 
 use std::{mem::MaybeUninit, ptr::null_mut, slice};
 
 use glam::Mat4;
 
-/// Elements of a block: samples, rays and neighbours fill 18 KiB, little more than half of a first-level cache of 32 KiB.
+/// Number of elements in a block. The samples, rays and neighbours of a block take 18 KiB, a little more than
+/// half of a 32 KiB first-level cache.
 pub(crate) const BLOCK: usize = 128;
-/// Numbers that are transposed at once.
+/// Number of columns, and of elements, that are transposed together.
 const FOUR: usize = 4;
 
-/// A column: address and stride of its numbers.
+/// A column of numbers, given by the address of the first number and the stride.
 #[derive(Clone, Copy, Debug)]
 pub struct Strided<T = f32> {
     /// Address of the first number; null if the column is missing.
     first: *mut T,
-    /// Bytes from one number to the next.
+    /// Distance in bytes from one number to the next.
     stride: isize,
 }
 
@@ -25,25 +27,25 @@ impl<T: Copy> Strided<T> {
     /// A missing column.
     pub const NONE: Self = Self { first: null_mut(), stride: 0 };
 
-    /// Describes numbers at `first` and every `stride` bytes from there.
+    /// Describes a column of numbers with the first at `first` and one every `stride` bytes.
     #[inline(always)]
     pub const fn new(first: *mut T, stride: isize) -> Self {
         Self { first, stride }
     }
 
-    /// Whether the column is there.
+    /// Whether the column is present.
     #[inline(always)]
     pub fn is_there(self) -> bool {
         !self.first.is_null()
     }
 
-    /// Address of number `i`.
+    /// Returns the address of number `i`.
     #[inline(always)]
     pub fn at(self, i: usize) -> *mut T {
         self.first.wrapping_byte_offset((i as isize).wrapping_mul(self.stride))
     }
 
-    /// Describes the column without its first `i` numbers.
+    /// Describes the part of the column that begins at number `i`.
     #[inline(always)]
     pub fn from(self, i: usize) -> Self {
         Self { first: if self.is_there() { self.at(i) } else { self.first }, ..self }
@@ -55,7 +57,7 @@ impl<T: Copy> Strided<T> {
     /// The number exists.
     #[inline(always)]
     pub unsafe fn get(self, i: usize) -> T {
-        // SAFETY: the caller's promise; nothing needs to be aligned.
+        // SAFETY: the caller promises that the number exists; the read needs no alignment.
         unsafe { self.at(i).read_unaligned() }
     }
 
@@ -65,7 +67,7 @@ impl<T: Copy> Strided<T> {
     /// Number `i` can be written.
     #[inline(always)]
     pub unsafe fn put(self, i: usize, number: T) {
-        // SAFETY: the caller's promise; nothing needs to be aligned.
+        // SAFETY: the caller promises that the number can be written; the write needs no alignment.
         unsafe { self.at(i).write_unaligned(number) };
     }
 
@@ -86,10 +88,10 @@ fn are_rows(numbers: &[Strided]) -> bool {
     first.is_there() && first.stride != size_of::<f32>() as isize && numbers.iter().enumerate().all(follows)
 }
 
-/// Copies the numbers from element `first` on to buffers; a missing column gives zeros.
+/// Copies numbers, from element `first` on, to buffers; a missing column gives zeros.
 ///
 /// # Safety
-/// The columns that are present have that many numbers.
+/// The present columns have at least as many numbers as are copied.
 pub(crate) unsafe fn read<const N: usize>(numbers: &[Strided; N], first: usize, to: &mut [&mut [f32]; N]) {
     let mut k = 0;
     while k < N {
@@ -138,10 +140,11 @@ unsafe fn read_rows(rows: Strided, first: usize, to: &mut [&mut [f32]]) {
     }
 }
 
-/// Copies buffers to columns, from element `first` on, for the elements with a positive weight; skips missing columns.
+/// Copies buffers to columns, from element `first` on. Elements whose weight is not positive and missing
+/// columns are skipped.
 ///
 /// # Safety
-/// The columns that are present have that many numbers, which can be written.
+/// The present columns have at least as many numbers as are copied, and these can be written.
 pub(crate) unsafe fn write(numbers: &[Strided], first: usize, from: &[&[f32]], weights: &[f32]) {
     let mut k = 0;
     while k < numbers.len() {
@@ -163,7 +166,7 @@ pub(crate) unsafe fn write(numbers: &[Strided], first: usize, from: &[&[f32]], w
 /// Copies a buffer to a column for the elements with a positive weight.
 ///
 /// # Safety
-/// The column has that many numbers, which can be written.
+/// The column has at least as many numbers as are copied, and these can be written.
 #[inline(always)]
 unsafe fn write_numbers(numbers: Strided, first: usize, from: &[f32], weights: &[f32]) {
     let count = weights.len();
@@ -214,7 +217,7 @@ unsafe fn write_rows(rows: Strided, first: usize, from: &[&[f32]], weights: &[f3
     (whole..count).filter(|&i| weights[i] > 0.0).for_each(|i| put(rows, first + i, [a[i], b[i], c[i], d[i]]));
 }
 
-/// Whether all weights are positive. Branch-free, so that the compiler vectorizes it.
+/// Whether all weights are positive. The loop is branch-free, so that the compiler vectorizes it.
 #[inline(always)]
 pub(crate) fn are_positive(weights: &[f32]) -> bool {
     weights.iter().fold(true, |all, weight| all & (*weight > 0.0))
@@ -229,18 +232,19 @@ fn transposed(rows: [[f32; 4]; 4]) -> [[f32; 4]; 4] {
 /// Contiguous buffers for up to [`BLOCK`] elements. Only the part in use is cleared, so that small blocks are cheap.
 pub(crate) struct Columns<const N: usize> {
     columns: [[MaybeUninit<f32>; BLOCK]; N],
-    /// Initialized numbers of each buffer.
+    /// Number of initialized numbers in each buffer.
     set: usize,
 }
 
 impl<const N: usize> Columns<N> {
-    /// Makes buffers of `count` zeros, at most [`BLOCK`].
+    /// Returns buffers with `count` zeros each, at most [`BLOCK`].
     #[inline(always)]
     pub fn zeros(count: usize) -> Self {
         let set = count.min(BLOCK);
         // SAFETY: an array of uninitialized numbers needs no initialization.
         let mut columns: [[MaybeUninit<f32>; BLOCK]; N] = unsafe { MaybeUninit::uninit().assume_init() };
-        // Four at a time: a call of memset per column would dominate small blocks.
+        // Clears four numbers at a time, because a call of memset per column would dominate the time of small
+        // blocks.
         for begin in (0..set).step_by(FOUR) {
             for column in &mut columns {
                 column[begin..begin + FOUR].copy_from_slice(&[MaybeUninit::new(0.0); FOUR]);
@@ -249,7 +253,7 @@ impl<const N: usize> Columns<N> {
         Self { columns, set }
     }
 
-    /// Returns the first `count` numbers of each buffer, at most those requested from [`Columns::zeros`].
+    /// Returns the first `count` numbers of each buffer, or fewer if [`Columns::zeros`] was asked for fewer.
     #[inline(always)]
     pub fn first(&self, count: usize) -> [&[f32]; N] {
         let count = count.min(self.set);

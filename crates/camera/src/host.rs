@@ -1,4 +1,4 @@
-//! The host of a camera: its data besides the parameters.
+//! The data that a host supplies besides the parameters.
 
 use std::path::PathBuf;
 
@@ -10,27 +10,28 @@ use realistic_optics::prescription::SearchPath;
 
 pub use realistic_base::message::{Level, Log};
 
-/// Data of a host besides parameters.
+/// The data that a host supplies besides the parameters.
 #[derive(Clone, Debug)]
 pub struct Host {
-    /// Pixels of the image.
+    /// Width and height of the image, pixels.
     pub raster: Raster,
     /// Transform from camera space to world space, at any time.
     pub to_world: CameraMotion,
     /// Directories that are searched for lens files after the working directory.
     pub search: SearchPath,
-    /// Text of a lens file instead of `lens_file`, with its name in messages.
+    /// Text of a lens and the name that messages use for it; it replaces the file of `lens_file`.
     pub lens_text: Option<(String, Vec<u8>)>,
-    /// Whether the host can give a sample another (u, v).
+    /// Whether the host can draw another lens sample (u, v).
     pub can_redraw: bool,
-    /// Whether a tolerance may choose another model of the lens, and a motion in a closed shutter becomes one
-    /// transform; false for comparisons. Without a tolerance the rays have the same bits.
+    /// Whether simplifications are allowed: a tolerance may select an approximate model of the lens, and a
+    /// motion during which the shutter is closed may become a single transform. It is false in comparisons.
+    /// Without a tolerance the rays have the same bits either way.
     pub leave_out: bool,
 }
 
 impl Host {
-    /// Returns a host whose camera space is its world space, and which searches for lens files along `PBRT_SEARCHPATH`
-    /// and in the directory `beside`.
+    /// Returns a host whose camera space is its world space and whose lens files are searched for along
+    /// `PBRT_SEARCHPATH` and in the directory `beside`.
     pub fn new(raster: Raster, beside: Option<PathBuf>) -> Self {
         Self {
             raster,

@@ -1,12 +1,14 @@
-//! Cameras: samples on film to weighted rays in the world, through a lens or one of pbrt's stock cameras.
+//! Cameras, which turn samples on film into weighted rays in the world, through a lens or as one of pbrt's
+//! stock cameras.
 //!
-//! A camera is built once, from parameters by name and the data of a host, and never changes. Each of its rays takes a
-//! sample of the film and the pupil through the lens, the weight, the pose and the shutter.
+//! A camera is built once, from parameters by name and the data of a host, and never changes. To make a ray,
+//! it maps a sample to the film and the pupil, traces through the lens, and applies the weight, the pose and
+//! the shutter.
 //!
 //! | type | is |
 //! |---|---|
 //! | [`Parameters`], [`Host`] | settings by name; pixels, transform and search path |
-//! | [`CameraBuilder`] | both, with a method for each setting |
+//! | [`CameraBuilder`] | builder of parameters and host data, with a method for each setting |
 //! | [`Model`] | the kind of camera |
 //! | [`Plan`](plan::Plan) | the parts that a camera keeps and leaves out |
 //! | [`Camera`] | the camera; immutable and thread-safe |
@@ -15,7 +17,8 @@
 //! | [`WorldRay`], [`Rays`] | a ray in world space; many, with weights |
 //! | [`AdjointCamera`], [`Importance`] | rays from the scene, and what they contribute |
 //!
-//! It depends on `base`, `simd`, `optics`, `trace` and `light`; `realistic`, with the C ABI, depends on it.
+//! The crate depends on `base`, `simd`, `optics`, `trace` and `light`; the crate `realistic`, with the C ABI,
+//! depends on it.
 //!
 //! ```
 //! use realistic_camera::{Camera, CameraError, Sample};
@@ -27,7 +30,8 @@
 //! # Ok::<(), CameraError>(())
 //! ```
 //!
-//! Only the face of the crate `realistic` is promised; this one may change in any version.
+//! Only the public interface of the crate `realistic` is stable; the interface of this crate may change in
+//! any version.
 
 #![deny(unsafe_code)]
 

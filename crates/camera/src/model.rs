@@ -3,18 +3,18 @@
 /// The model of a camera.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Model {
-    /// Rays through every interface of a lens.
+    /// Rays traced through every surface of a lens.
     #[default]
     Lens,
-    /// The lens as a thick lens: ideal imaging with its pupil.
+    /// The lens as a thick lens: ideal imaging with the pupil of the lens.
     Thick,
     /// The lens as a thin lens.
     Thin,
-    /// A pinhole, or a thin lens of given radius, and a projection matrix.
+    /// A perspective projection through a pinhole or a thin lens of given radius.
     Perspective,
-    /// Parallel projection.
+    /// A parallel projection.
     Orthographic,
-    /// All directions from a point.
+    /// All directions from one point.
     Environment,
 }
 

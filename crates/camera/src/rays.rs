@@ -1,4 +1,5 @@
-//! Rays in world space: a single one, laid out as pbrt-v1's, and output columns of them with weights.
+//! Rays in world space: a single ray with the layout of pbrt-v1's `Ray`, and output columns for many rays
+//! with weights.
 
 use std::{
     marker::PhantomData,
@@ -13,7 +14,7 @@ use realistic_simd::{Cpu, Lanes};
 
 pub use super::samples::{Sample, Samples, at_points};
 
-/// A ray in world space, laid out as pbrt-v1's `Ray`.
+/// A ray in world space, with the layout of pbrt-v1's `Ray`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct WorldRay {
@@ -30,12 +31,12 @@ pub struct WorldRay {
 }
 
 impl WorldRay {
-    /// Largest deviation of a direction's squared length from 1: lengths are then 1 to within 1e-6, since the square has three
-    /// roundings.
+    /// Largest deviation of a direction's squared length from 1. Within it, the length is 1 to within 1e-6,
+    /// because computing the square involves three roundings.
     pub const UNIT: f32 = 1.6e-6;
 
-    /// Whether the origin is finite and the direction a unit vector. Image points that are NaN or far outside any image give
-    /// other numbers.
+    /// Whether the origin is finite and the direction is a unit vector. Image points that are NaN or far
+    /// outside any image lead to rays that fail this test.
     pub fn is_sound(&self) -> bool {
         let [x, y, z] = self.direction;
         (x * x + y * y + z * z - 1.0).abs() < Self::UNIT && self.origin.iter().all(|part| part.is_finite())
@@ -47,49 +48,53 @@ impl WorldRay {
 pub struct RayDifferential {
     /// The ray of the sample.
     pub ray: WorldRay,
-    /// The ray of image x + 1; `None` where the lens blocks it.
+    /// The ray at image x + 1; `None` if the lens blocks it.
     pub rx: Option<WorldRay>,
-    /// The ray of image y + 1; `None` where the lens blocks it.
+    /// The ray at image y + 1; `None` if the lens blocks it.
     pub ry: Option<WorldRay>,
 }
 
-/// Outcome of a sample.
+/// Outcome of tracing a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outcome {
-    /// A ray and its weight, positive.
+    /// A ray and its weight, which is positive.
     Ray(WorldRay, f32),
-    /// The lens blocks it: weight 0.
+    /// The lens blocks the ray: weight 0.
     Blocked(Blocked),
-    /// The lens sample fell outside the disk ([`DiskMapping::Rejection`](crate::sampling::DiskMapping::Rejection)): retry with a
-    /// new one.
+    /// The lens sample lies outside the disk
+    /// ([`DiskMapping::Rejection`](crate::sampling::DiskMapping::Rejection)); the caller has to retry with a
+    /// new lens sample.
     Redraw,
-    /// The shutter is closed over the film point at this time: weight 0.
+    /// The shutter is closed at this film point and time: weight 0.
     Shut,
-    /// The wavelength is not a number, out of range, or one at which a glass has no index: weight 0.
+    /// The wavelength is not a number, is out of range, or is one at which a glass has no refractive index:
+    /// weight 0.
     Wavelength,
 }
 
-/// Number of columns: origin, direction, range and time as in a [`WorldRay`], and weight.
+/// Number of columns: origin, direction, range and time as in a [`WorldRay`], and the weight.
 const NUMBERS: usize = 10;
-/// First of the two columns of the range; these and the times may be missing.
+/// Index of the first of the two columns of the range; the columns of range and time may be missing.
 pub(crate) const RANGE: usize = 6;
-/// The column of times.
+/// Index of the column of times.
 pub(crate) const TIME: usize = 8;
-/// The column of weights.
+/// Index of the column of weights.
 pub(crate) const WEIGHT: usize = 9;
 
-/// Output columns for rays, each a slice or a member of structures: origins in world units, unit directions, weights; optionally
-/// ranges, times and the rays of the neighbouring pixels.
+/// Output columns for rays; each column is a slice or a member of an array of structures. The columns are
+/// origins in world units, unit directions and weights, and optionally ranges, times and the rays of the
+/// neighbouring pixels.
 ///
-/// A blocked sample gets the weight 0, and its other numbers are left as they are. A blocked neighbour gets the weight 0 and the
-/// origin and direction of the ray; if the ray itself is blocked, only the weight 0.
+/// A blocked sample gets the weight 0, and its other numbers are not changed. A blocked neighbour gets the
+/// weight 0 and the origin and direction of the sample's ray; if that ray is blocked, too, only the weight 0
+/// is written.
 #[derive(Debug)]
 pub struct Rays<'a> {
     target: RayTarget<'a>,
     /// Columns of the two neighbours, without ranges and times.
     neighbours: Option<[[Strided; NUMBERS]; 2]>,
     count: usize,
-    /// Whether every column present is a slice.
+    /// Whether every column that is present is a slice.
     are_slices: bool,
     borrow: PhantomData<&'a mut [f32]>,
 }
@@ -102,7 +107,7 @@ enum RayTarget<'a> {
 }
 
 impl<'a> Rays<'a> {
-    /// Wraps one ray with range and time, and its weight.
+    /// Wraps one ray, including its range and time, and the ray's weight.
     #[inline(always)]
     pub fn of(ray: &'a mut WorldRay, weight: &'a mut f32) -> Self {
         Self {
@@ -114,7 +119,7 @@ impl<'a> Rays<'a> {
         }
     }
 
-    /// Returns all columns; those of range and time may be missing.
+    /// Returns all columns; the columns of range and time may be missing.
     #[inline(always)]
     fn all(&mut self) -> [Strided; NUMBERS] {
         match &mut self.target {
@@ -126,10 +131,10 @@ impl<'a> Rays<'a> {
         }
     }
 
-    /// Wraps an array of structures, and their weights.
+    /// Wraps an array of ray structures and the slice of their weights.
     ///
     /// # Panics
-    /// The two differ in length.
+    /// The two slices differ in length.
     pub fn structs(rays: &'a mut [WorldRay], weights: &'a mut [f32]) -> Self {
         assert_eq!(rays.len(), weights.len(), "a weight for each ray");
         let count = rays.len();
@@ -137,14 +142,14 @@ impl<'a> Rays<'a> {
         unsafe { Self::raw_structs(rays.as_mut_ptr(), strided(weights, count), count) }
     }
 
-    /// Wraps an array of structures and a column of weights.
+    /// Wraps an array of ray structures and a column of weights.
     ///
     /// # Safety
-    /// `count` of both can be read and written for `'a`, and nothing else refers to them.
+    /// `count` elements of both can be read and written for `'a`, and nothing else refers to them.
     #[inline(always)]
     pub unsafe fn raw_structs(rays: *mut WorldRay, weights: Strided, count: usize) -> Self {
         let [x, y, z, dx, dy, dz, mint, maxt, time] = members(rays);
-        // SAFETY: the caller's promise.
+        // SAFETY: promised by the caller.
         unsafe { Self::raw([x, y, z, dx, dy, dz, mint, maxt, time, weights], None, count) }
     }
 
@@ -166,7 +171,7 @@ impl<'a> Rays<'a> {
         Self { target, neighbours: None, count, are_slices: true, borrow: PhantomData }
     }
 
-    /// Wraps slices of `count` numbers: origin, direction, range, time, weight.
+    /// Wraps slices of `count` numbers, in the order origin, direction, range, time, weight.
     ///
     /// # Panics
     /// The slices differ in length.
@@ -194,7 +199,7 @@ impl<'a> Rays<'a> {
     /// Adds columns for the ranges.
     ///
     /// # Panics
-    /// The slices differ in length from the others.
+    /// The new slices differ in length from the columns.
     #[must_use]
     #[inline(always)]
     pub fn with_range(mut self, [mint, maxt]: [&'a mut [f32]; 2]) -> Self {
@@ -206,7 +211,7 @@ impl<'a> Rays<'a> {
     /// Adds a column for the times.
     ///
     /// # Panics
-    /// The slice differs in length from the others.
+    /// The new slice differs in length from the columns.
     #[must_use]
     #[inline(always)]
     pub fn with_time(mut self, time: &'a mut [f32]) -> Self {
@@ -214,11 +219,11 @@ impl<'a> Rays<'a> {
         self
     }
 
-    /// Adds columns for the rays one pixel to the right and one pixel down. Only their origins, directions and weights are written:
-    /// columns for ranges and times are ignored.
+    /// Adds columns for the rays one pixel to the right and one pixel down. Only the origins, directions and
+    /// weights of these rays are written; their columns of ranges and times are ignored.
     ///
     /// # Panics
-    /// The columns differ in length from the others.
+    /// The new columns differ in length from the present ones.
     #[must_use]
     pub fn with_neighbours(mut self, neighbours: [Rays<'a>; 2]) -> Self {
         for side in &neighbours {
@@ -233,10 +238,11 @@ impl<'a> Rays<'a> {
         self
     }
 
-    /// Wraps columns: origin, direction, range and time (which may be missing), weight; optionally those of the neighbours.
+    /// Wraps columns of origin, direction, range, time and weight (range and time may be missing), and
+    /// optionally the columns of the neighbours.
     ///
     /// # Safety
-    /// `count` numbers of each can be read and written for `'a`, and nothing else refers to them.
+    /// `count` numbers of each column can be read and written for `'a`, and nothing else refers to them.
     #[inline(always)]
     pub unsafe fn raw(
         columns: [Strided; NUMBERS],
@@ -255,18 +261,18 @@ impl<'a> Rays<'a> {
         Self { target: RayTarget::Columns(columns), neighbours, count, are_slices, borrow: PhantomData }
     }
 
-    /// Number of rays.
+    /// Returns the number of rays.
     #[inline(always)]
     pub fn len(&self) -> usize {
         self.count
     }
 
-    /// Whether there are columns for no ray.
+    /// Whether the number of rays is 0.
     pub fn is_empty(&self) -> bool {
         self.count == 0
     }
 
-    /// Whether every column present is a slice.
+    /// Whether every column that is present is a slice.
     #[inline(always)]
     pub(crate) fn are_slices(&self) -> bool {
         self.are_slices
@@ -278,34 +284,35 @@ impl<'a> Rays<'a> {
         self.neighbours.is_some()
     }
 
-    /// Returns the part for `count` rays from `first` on, without neighbours.
+    /// Returns the part of the columns for `count` rays from `first` on, without neighbours.
     ///
     /// # Panics
-    /// The columns end before.
+    /// The columns end before the last of these rays.
     #[inline(always)]
     pub fn part(&mut self, first: usize, count: usize) -> Rays<'_> {
         assert!(first <= self.count && count <= self.count - first, "room for fewer rays");
-        // SAFETY: a part of these columns, borrowed from them.
+        // SAFETY: the part lies within these columns and borrows from them.
         unsafe { Rays::raw(self.all().map(|column| column.from(first)), None, count) }
     }
 
-    /// Returns the part for `count` rays from `first` on, and for their neighbours.
+    /// Returns the part of the columns for `count` rays from `first` on, and the part for their neighbours.
     ///
     /// # Panics
-    /// The columns end before.
+    /// The columns end before the last of these rays.
     pub(crate) fn part_with_sides(
         &mut self,
         first: usize,
         count: usize,
     ) -> (Rays<'_>, Option<[Rays<'_>; 2]>) {
         let sides = self.neighbours.map(|sides| {
-            // SAFETY: a part of these columns, borrowed from them; `part` checks the length.
+            // SAFETY: the part lies within these columns and borrows from them; `part` checks the length.
             sides.map(|side| unsafe { Rays::raw(side.map(|column| column.from(first)), None, count) })
         });
         (self.part(first, count), sides)
     }
 
-    /// Writes the origins and directions of the rays to their blocked neighbours. All columns are slices.
+    /// Copies the origin and direction of each ray to its neighbour if the neighbour is blocked. All columns
+    /// are slices.
     pub fn stand_in(&mut self, neighbours: &mut Rays<'_>) {
         if are_positive(neighbours.weights()) {
             return;
@@ -319,7 +326,7 @@ impl<'a> Rays<'a> {
         }
     }
 
-    /// Copies the rays with a positive weight from buffers of the same length, and the weights of all.
+    /// Copies from buffers of the same length the rays with a positive weight, and all weights.
     pub(crate) fn copy_from(&mut self, columns: &[&[f32]; NUMBERS], weights: &[f32]) {
         assert!(weights.len() == self.count, "a weight for each ray");
         // SAFETY: the columns have `count` numbers.
@@ -337,17 +344,18 @@ impl<'a> Rays<'a> {
     /// Returns the weights.
     ///
     /// # Panics
-    /// The columns are no slices.
+    /// The columns are not slices.
     #[inline(always)]
     pub fn weights(&mut self) -> &mut [f32] {
         self.slice(WEIGHT)
     }
 
-    /// Writes the range common to all rays, if there is one, and the times that `time` computes from the time samples `numbers`;
-    /// only for rays with a positive weight, and only into columns that are present.
+    /// Writes the range common to all rays, if there is one, and the times that `time` computes from the time
+    /// samples `numbers`. Writes only for rays with a positive weight, and only into columns that are
+    /// present.
     ///
     /// # Panics
-    /// The columns are no slices.
+    /// The columns are not slices.
     #[inline(always)]
     pub(crate) fn complete(&mut self, range: Option<[f32; 2]>, numbers: &[f32], time: impl Fn(f32) -> f32) {
         if let RayTarget::One { ray, weight } = &mut self.target {
@@ -366,7 +374,8 @@ impl<'a> Rays<'a> {
         self.fill(TIME, numbers, time);
     }
 
-    /// Writes `number` of each element of `of` into a column, if it is present, for the rays with a positive weight.
+    /// Writes into a column, if it is present, `number` of each element of `of`, for the rays with a positive
+    /// weight.
     #[inline(always)]
     fn fill(&mut self, column: usize, of: &[f32], number: impl Fn(f32) -> f32) {
         let to = self.first(column);
@@ -375,29 +384,30 @@ impl<'a> Rays<'a> {
         }
         let count = self.count;
         assert!(self.are_slices && of.len() == count, "columns that are no slices of one length");
-        // SAFETY: the constructors guarantee two distinct slices of that many numbers. A caller need not have initialized those that
-        // are written; the weights have been stored.
+        // SAFETY: the constructors guarantee two distinct slices of `count` numbers. The caller need not have
+        // initialized the column that is written; the weights have been stored.
         let (to, weight) = unsafe {
             let to = slice::from_raw_parts_mut(to.cast::<MaybeUninit<f32>>(), count);
             (to, slice::from_raw_parts(self.first(WEIGHT), count))
         };
         if count <= 4 {
-            // A scalar loop ends before a vectorized one would have started.
+            // For so few rays, a scalar loop ends before a vectorized loop would have started.
             for i in (0..count).filter(|&i| weight[i] > 0.0) {
                 to[i].write(number(of[i]));
             }
             return;
         }
-        // Branch-free, so that the compiler vectorizes it.
+        // The loop is branch-free, so that the compiler vectorizes it.
         for ((to, weight), of) in to.iter_mut().zip(weight).zip(of) {
             let number = MaybeUninit::new(number(*of));
             *to = if *weight > 0.0 { number } else { *to };
         }
     }
 
-    /// Stores a vector of rays from index `at` on: the last step of every model. A lane that is blocked, by `passed` or because
-    /// its numbers are not sound ([`WorldRay::is_sound`]), gets the weight 0, and its other numbers are not written. `range` is
-    /// that of each ray, for models that have one per ray.
+    /// Stores a vector of rays from index `at` on; this is the last step of every model. A lane is blocked if
+    /// `passed` says so or if its numbers are not sound ([`WorldRay::is_sound`]); it gets the weight 0, and
+    /// its other numbers are not written. `range` is the range of each ray, for models in which ranges differ
+    /// between rays.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn store<L: Lanes>(
         &mut self,
@@ -417,10 +427,10 @@ impl<'a> Rays<'a> {
         let is_finite = (x.abs() + y.abs() + z.abs()).less_equal(most);
         let mut passed = L::both(passed, L::both(is_unit, is_finite));
         if let Some([first, last]) = range {
-            // In this order NaN stays NaN.
+            // With this order of operands, NaN stays NaN.
             passed = L::both(passed, first.less_equal(most.smaller(last)));
         }
-        // A single ray takes no address arithmetic.
+        // A single ray needs no address arithmetic.
         if let (1, RayTarget::One { ray, weight: to }) = (L::WIDTH, &mut self.target) {
             weight.or_zero(passed).store_single(slice::from_mut(to));
             let WorldRay { origin: o, direction: d, mint, maxt, .. } = &mut **ray;
@@ -437,7 +447,7 @@ impl<'a> Rays<'a> {
             return;
         }
         weight.or_zero(passed).store_single(&mut self.slice(WEIGHT)[at..]);
-        // Not a loop: the compiler would spill the vectors to memory.
+        // Written out instead of a loop, because the compiler would spill the vectors to memory.
         put(x, passed, &mut self.slice(0)[at..]);
         put(y, passed, &mut self.slice(1)[at..]);
         put(z, passed, &mut self.slice(2)[at..]);
@@ -456,7 +466,8 @@ impl<'a> Rays<'a> {
     /// Returns the address of a column; null if it is missing.
     #[inline(always)]
     fn first(&mut self, number: usize) -> *mut f32 {
-        // Not by `all`: a wide copy of addresses that were just stored one by one stalls on store forwarding.
+        // Does not use `all`: a wide copy of addresses that were just stored one by one stalls on store
+        // forwarding.
         match &self.target {
             RayTarget::Columns(columns) => columns[number].at(0),
             RayTarget::One { .. } => self.all()[number].at(0),
@@ -467,17 +478,17 @@ impl<'a> Rays<'a> {
     #[inline(always)]
     fn slice(&mut self, number: usize) -> &mut [f32] {
         assert!(self.are_slices, "columns that are no slices");
-        // SAFETY: the constructors guarantee a slice of that many numbers.
+        // SAFETY: the constructors guarantee a slice of `count` numbers.
         unsafe { slice::from_raw_parts_mut(self.first(number), self.count) }
     }
 
-    /// Writes origin, direction and weight of a ray at an index; for `None`, only the weight 0.
+    /// Writes the origin, direction and weight of a ray at index `i`; for `None`, writes only the weight 0.
     ///
     /// # Panics
-    /// `i` is not below [`Rays::len`].
+    /// `i` is not less than [`Rays::len`].
     pub fn put(&mut self, i: usize, ray: Option<(WorldRay, f32)>) {
         assert!(i < self.count, "room for fewer rays");
-        // SAFETY: the columns have that index, by the assertion.
+        // SAFETY: by the assertion, the columns have an element `i`.
         unsafe {
             let columns = self.all();
             if let Some((WorldRay { origin, direction, .. }, _)) = ray {
@@ -491,7 +502,7 @@ impl<'a> Rays<'a> {
     }
 }
 
-/// Returns the columns of the members of rays in an array: origin, direction, range, time.
+/// Returns columns for the members of the rays in an array: origin, direction, range, time.
 #[inline(always)]
 fn members(rays: *mut WorldRay) -> [Strided; 9] {
     let member = |offset: usize| {
@@ -523,27 +534,28 @@ fn put<L: Lanes>(numbers: L, passed: L::Mask, to: &mut [f32]) {
 
 /// Buffers for a block of rays.
 impl Columns<NUMBERS> {
-    /// Wraps them for rays.
+    /// Wraps the buffers for rays.
     pub fn rays(&mut self, count: usize) -> Rays<'_> {
         Rays::of_all(self.first_mut(count), count)
     }
 
-    /// Wraps them for neighbours, without range and time.
+    /// Wraps the buffers for neighbours, without range and time.
     pub fn neighbours(&mut self, count: usize) -> Rays<'_> {
         let [ox, oy, oz, dx, dy, dz, .., weight] = self.first_mut(count);
         Rays::columns([ox, oy, oz], [dx, dy, dz], weight)
     }
 }
 
-/// Buffers for four rays: a ray and its neighbours, or the three calls of a pbrt host, fill three of them.
+/// Buffers for four rays. A ray and its two neighbours, or the three calls of a pbrt host, fill three of
+/// them.
 #[derive(Clone, Copy, Debug)]
 pub struct FourRays([[f32; 4]; NUMBERS]);
 
 impl FourRays {
-    /// No ray.
+    /// Buffers without any ray.
     pub const NONE: Self = Self([[0.0; 4]; NUMBERS]);
 
-    /// Wraps the first `count` of them.
+    /// Wraps the buffers of the first `count` rays.
     #[inline(always)]
     pub fn first(&mut self, count: usize) -> Rays<'_> {
         Rays::of_all(self.0.each_mut().map(|column| &mut column[..count]), count)
@@ -555,30 +567,30 @@ impl FourRays {
         self.0.each_ref()
     }
 
-    /// Weight of a ray; 0 if it is blocked.
+    /// Returns the weight of a ray; 0 if it is blocked.
     #[inline(always)]
     pub fn weight(&self, i: usize) -> f32 {
         self.0[WEIGHT][i]
     }
 
-    /// Weight of a ray, for writing.
+    /// Returns the weight of a ray for writing.
     #[inline(always)]
     pub(crate) fn weight_mut(&mut self, i: usize) -> &mut f32 {
         &mut self.0[WEIGHT][i]
     }
 
-    /// Returns a ray with its weight, unless it is blocked.
+    /// Returns a ray with its weight; `None` if it is blocked.
     pub fn get(&self, i: usize) -> Option<(WorldRay, f32)> {
         let mut ray = WorldRay::default();
         let weight = self.copy_to(i, &mut ray);
         (weight > 0.0).then_some((ray, weight))
     }
 
-    /// Copies a ray, unless it is blocked, directly to its destination, since an intermediate copy stalls on store forwarding. Returns
-    /// its weight.
+    /// Copies a ray, unless it is blocked, directly to its destination, because an intermediate copy would
+    /// stall on store forwarding. Returns the ray's weight.
     ///
     /// # Panics
-    /// `i` is not below 4.
+    /// `i` is not less than 4.
     #[inline(always)]
     pub fn copy_to(&self, i: usize, ray: &mut WorldRay) -> f32 {
         assert!(i < 4, "no such ray");

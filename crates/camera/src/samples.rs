@@ -1,4 +1,5 @@
-//! Samples of a picture: a single one, laid out as the first members of pbrt-v1's, and columns of them.
+//! Samples of a picture: a single sample with the layout of the first members of pbrt-v1's `Sample`, and
+//! columns of samples.
 
 use std::{
     array,
@@ -12,7 +13,7 @@ use glam::Vec4;
 use super::columns::{Columns, Strided, read};
 use realistic_simd::{Cpu, Lanes};
 
-/// A sample of a picture, laid out as the first members of pbrt-v1's `Sample`.
+/// A sample of a picture, with the layout of the first members of pbrt-v1's `Sample`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
@@ -28,15 +29,16 @@ pub struct Sample {
     pub time: f32,
 }
 
-/// Samples as columns: image x and y, lens u and v, and time, each a slice or a member of structures; optionally wavelengths, one
-/// per sample or `k` per sample, which then has `k` rays.
+/// Columns of samples: image x and y, lens u and v, and time; each column is a slice or a member of an array
+/// of structures. Optionally there is a column of wavelengths, either one or `k` per sample; a sample with
+/// `k` wavelengths has `k` rays.
 #[derive(Clone, Copy, Debug)]
 pub struct Samples<'a> {
     source: SampleSource<'a>,
-    /// Rays of each sample.
+    /// Number of rays of each sample.
     per_sample: usize,
     rays: usize,
-    /// Whether every column present is a slice with one number per ray.
+    /// Whether every column that is present is a slice with one number per ray.
     are_slices: bool,
     borrow: PhantomData<&'a [f32]>,
 }
@@ -56,7 +58,7 @@ const MEMBERS: [usize; 5] = [
     offset_of!(Sample, lens_v),
     offset_of!(Sample, time),
 ];
-/// The column of wavelengths.
+/// Index of the column of wavelengths.
 pub(crate) const WAVELENGTH: usize = 5;
 
 impl<'a> Samples<'a> {
@@ -91,7 +93,7 @@ impl<'a> Samples<'a> {
         }
     }
 
-    /// Wraps slices: image x and y, lens u and v, time.
+    /// Wraps slices, in the order image x, image y, lens u, lens v, time.
     ///
     /// # Panics
     /// The slices differ in length.
@@ -112,7 +114,7 @@ impl<'a> Samples<'a> {
         }
     }
 
-    /// Adds wavelengths, nm: `k` per sample, those of the first sample first.
+    /// Adds wavelengths, nm: `k` per sample, beginning with those of the first sample.
     ///
     /// # Panics
     /// The number of wavelengths is not a multiple of the number of samples.
@@ -141,19 +143,20 @@ impl<'a> Samples<'a> {
     #[inline(always)]
     pub unsafe fn raw_at(self, wavelengths: Strided, per_sample: usize) -> Self {
         if let (SampleSource::One(sample, _), 1, true) = (self.source, per_sample, wavelengths.is_slice(1)) {
-            // SAFETY: the caller's promise; it is aligned.
+            // SAFETY: promised by the caller; the number is aligned.
             let wavelength = unsafe { wavelengths.at(0).as_ref() };
             return Self { source: SampleSource::One(sample, wavelength), ..self };
         }
         let [x, y, u, v, time, _] = self.all();
-        // SAFETY: the columns are these; the caller's promise.
+        // SAFETY: the columns are those of this value; the caller promises the wavelengths.
         unsafe { Self::raw([x, y, u, v, time, wavelengths], per_sample, self.rays * per_sample) }
     }
 
-    /// Wraps columns of samples and, unless that column is missing, of `per_sample` wavelengths per sample.
+    /// Wraps columns of samples and, unless the column of wavelengths is missing, `per_sample` wavelengths
+    /// per sample.
     ///
     /// # Safety
-    /// `rays / per_sample` numbers of each column, and `rays` wavelengths, can be read for `'a`.
+    /// `rays / per_sample` numbers of each column of samples, and `rays` wavelengths, can be read for `'a`.
     #[inline(always)]
     pub unsafe fn raw(columns: [Strided; 6], per_sample: usize, rays: usize) -> Self {
         let mut are_slices = per_sample == 1;
@@ -163,7 +166,7 @@ impl<'a> Samples<'a> {
         Self { source: SampleSource::Columns(columns), per_sample, rays, are_slices, borrow: PhantomData }
     }
 
-    /// Number of rays: `k` per sample.
+    /// Returns the number of rays, `k` per sample.
     #[inline(always)]
     pub fn len(&self) -> usize {
         self.rays
@@ -174,7 +177,7 @@ impl<'a> Samples<'a> {
         self.rays == 0
     }
 
-    /// Returns all columns: the members of a sample, and wavelengths, which may be missing.
+    /// Returns all columns: the members of a sample, then the wavelengths, which may be missing.
     #[inline(always)]
     fn all(&self) -> [Strided; 6] {
         match self.source {
@@ -190,14 +193,14 @@ impl<'a> Samples<'a> {
         }
     }
 
-    /// Returns the sample of a ray.
+    /// Returns the sample to which a ray belongs.
     ///
     /// # Panics
-    /// `ray` is not below [`Samples::len`].
+    /// `ray` is not less than [`Samples::len`].
     pub fn get(&self, ray: usize) -> Sample {
         assert!(ray < self.rays, "no such ray");
         let [x, y, u, v, time, _] = self.all();
-        // SAFETY: the sample exists, by the assertion.
+        // SAFETY: by the assertion, the sample exists.
         let [image_x, image_y, lens_u, lens_v, time] =
             [x, y, u, v, time].map(|column| unsafe { column.get(ray / self.per_sample) });
         Sample { image_x, image_y, lens_u, lens_v, time }
@@ -206,10 +209,10 @@ impl<'a> Samples<'a> {
     /// Returns the wavelength of a ray, nm; `None` for the camera's own.
     ///
     /// # Panics
-    /// `ray` is not below [`Samples::len`].
+    /// `ray` is not less than [`Samples::len`].
     pub fn wavelength(&self, ray: usize) -> Option<f32> {
         assert!(ray < self.rays, "no such ray");
-        // SAFETY: the wavelength exists, by the assertion.
+        // SAFETY: by the assertion, the wavelength exists.
         self.have_wavelengths().then(|| unsafe { self.all()[WAVELENGTH].get(ray) })
     }
 
@@ -222,35 +225,36 @@ impl<'a> Samples<'a> {
         }
     }
 
-    /// Whether every column present is a slice with one number per ray.
+    /// Whether every column that is present is a slice with one number per ray.
     #[inline(always)]
     pub(crate) fn are_slices(&self) -> bool {
         self.are_slices
     }
 
-    /// Returns a column that is present: image x and y, lens u and v, time, wavelengths.
+    /// Returns a column that is present; the order is image x, image y, lens u, lens v, time, wavelengths.
     ///
     /// # Panics
-    /// The column is missing or no slice.
+    /// The column is missing or is not a slice.
     #[inline(always)]
     pub fn column(&self, number: usize) -> &[f32] {
-        // Not by `all`: a wide copy of addresses that were just stored one by one stalls on store forwarding.
+        // Does not use `all`: a wide copy of addresses that were just stored one by one stalls on store
+        // forwarding.
         let first = match &self.source {
             SampleSource::Columns(columns) => columns[number].at(0),
             SampleSource::One(..) => self.all()[number].at(0),
         };
         assert!(self.are_slices && !first.is_null(), "a column that is no slice");
-        // SAFETY: the constructors guarantee a slice of that many numbers.
+        // SAFETY: the constructors guarantee a slice of `rays` numbers.
         unsafe { slice::from_raw_parts(first, self.rays) }
     }
 
     /// Loads a vector of a column's numbers, from ray `at` on.
     ///
     /// # Panics
-    /// The column is missing, no slice, or shorter.
+    /// The column is missing, is not a slice, or is too short.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn load<L: Lanes>(&self, cpu: Cpu<L>, number: usize, at: usize) -> L {
-        // A single sample takes no address arithmetic.
+        // A single sample needs no address arithmetic.
         if let (1, SampleSource::One(sample, wavelength)) = (L::WIDTH, self.source) {
             let Sample { image_x, image_y, lens_u, lens_v, time } = sample;
             let wavelength = wavelength.unwrap_or(image_x);
@@ -267,14 +271,14 @@ impl<'a> Samples<'a> {
         let all = self.all();
         let mut columns = all.map(|column| column.from(ray / self.per_sample));
         columns[WAVELENGTH] = all[WAVELENGTH].from(ray);
-        // SAFETY: as these, of which it is one.
+        // SAFETY: the part is one element of these columns.
         unsafe { Self::raw(columns, 1, 1) }
     }
 
-    /// Replaces one of the five columns.
+    /// Replaces one of the five columns of samples.
     ///
     /// # Panics
-    /// The columns are no slices, or the new one differs in length.
+    /// The columns are not slices, or the new column differs in length.
     #[inline(always)]
     pub(crate) fn with_column<'b>(&self, number: usize, column: &'b [f32]) -> Samples<'b>
     where
@@ -286,10 +290,11 @@ impl<'a> Samples<'a> {
         Samples { source: SampleSource::Columns(columns), borrow: PhantomData, ..*self }
     }
 
-    /// Copies the samples of the rays from `first` on: image x and y, lens u and v, time, and the wavelength or 0.
+    /// Copies the samples of the rays from `first` on: image x and y, lens u and v, time, and the wavelength
+    /// (0 if there is none).
     pub fn copy(&self, first: usize, to: &mut [&mut [f32]; 6]) {
         assert!(first + to[0].len() <= self.rays, "the rays end before");
-        // SAFETY: the rays exist, by the assertion.
+        // SAFETY: by the assertion, the rays exist.
         unsafe {
             if self.per_sample == 1 {
                 return read(&self.all(), first, to);
@@ -305,7 +310,7 @@ impl<'a> Samples<'a> {
 
 /// Buffers for a block of samples, one per ray.
 impl Columns<6> {
-    /// Wraps them as samples.
+    /// Wraps the buffers as samples.
     pub fn samples(&self, count: usize, have_wavelengths: bool) -> Samples<'_> {
         let [x, y, u, v, time, wavelengths] = self.first(count);
         let samples = Samples::columns([x, y, u, v, time]);
@@ -313,8 +318,9 @@ impl Columns<6> {
     }
 }
 
-/// Builds the columns of a lens and time sample at four image points, stored as vectors: vector loads of numbers that were just
-/// stored one by one stall on store forwarding.
+/// Builds the columns of four samples that share the lens and time sample of `sample` and differ in their
+/// image points. The columns are stored as vectors, because vector loads of numbers that were just stored one
+/// by one stall on store forwarding.
 #[inline(always)]
 pub fn at_points(sample: &Sample, image_x: [f32; 4], image_y: [f32; 4]) -> [[f32; 4]; 5] {
     let vectors = [

@@ -1,10 +1,11 @@
-//! The host's floating-point environment: its control word (rounding mode, exceptions that trap, treatment of subnormal
-//! numbers) and its flags. Work runs in the default environment; the host's is restored afterwards.
+//! The host's floating-point environment: its control word (rounding mode, exceptions that trap, treatment of
+//! subnormal numbers) and its flags. The library's work runs in the default environment; the host's
+//! environment is restored afterwards.
 //!
-//! The arithmetic is free of branches: it takes square roots for blocked rays, too, which are then NaN. A host in which
-//! invalid operations trap (`feenableexcept`) would crash there, and a host that rounds upward or flushes subnormal
-//! numbers to zero would get other rays. On x86-64 the environment is the vector unit's MXCSR; the library does not use
-//! the x87.
+//! The arithmetic is branch-free: it also takes square roots for blocked rays, which then become NaN. A host
+//! in which invalid operations trap (`feenableexcept`) would crash there, and a host that rounds upward or
+//! flushes subnormal numbers to zero would receive different rays. On x86-64 the environment is the vector
+//! unit's MXCSR; the library does not use the x87.
 
 use std::ffi::c_void;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
@@ -23,8 +24,8 @@ pub fn in_default<T>(work: impl FnOnce() -> T) -> T {
     result
 }
 
-/// [`in_default`] for work as short as a ray: restores the flags only if the work raised invalid operation, division by
-/// zero or overflow, which most rays do not.
+/// Runs work as short as one ray like [`in_default`], but restores the flags only if the work raised invalid
+/// operation, division by zero or overflow, which most rays do not.
 #[inline(always)]
 pub fn for_ray<T>(work: impl FnOnce() -> T) -> T {
     let before = read();
@@ -38,22 +39,23 @@ pub fn for_ray<T>(work: impl FnOnce() -> T) -> T {
     result
 }
 
-/// [`for_ray`] that leaves flags raised, because reading them would wait for the ray.
+/// Runs work like [`for_ray`], but leaves raised flags as they are, because reading them would wait for the
+/// ray.
 #[cfg(realistic_shim)]
 #[inline(always)]
 pub fn for_triple<T>(work: impl FnOnce() -> T) -> T {
     if is_default(read()) { work() } else { apart(work) }
 }
 
-/// [`in_default`] for a host whose environment is not the default.
+/// Runs work like [`in_default`], for a host whose environment is not the default.
 #[cold]
 #[inline(never)]
 fn apart<T>(work: impl FnOnce() -> T) -> T {
     let (mut work, mut result) = (Some(work), None);
-    // Unwind safety: the panic resumes below.
+    // Unwind safety: the panic is resumed below.
     let mut run_work = || result = work.take().map(|work| catch_unwind(AssertUnwindSafe(work)));
     let mut call: &mut dyn FnMut() = &mut run_work;
-    // SAFETY: `run` takes this closure, which does not unwind.
+    // SAFETY: the pointer is to this closure, which `run` expects; `run` does not unwind.
     unsafe { call_in_default((&raw mut call).cast(), run) };
     match result {
         Some(Ok(result)) => result,
@@ -74,7 +76,7 @@ mod machine {
     use std::arch::asm;
     use std::ffi::c_void;
 
-    /// Default MXCSR: every exception masked, rounding to nearest, subnormal numbers kept, no flag.
+    /// Default MXCSR: every exception masked, rounding to nearest, subnormal numbers kept, no flag raised.
     const DEFAULT: u32 = 0x1F80;
     const FLAGS: u32 = 0x3F;
     /// Flags that are restored: invalid operation, division by zero, overflow.
@@ -84,7 +86,7 @@ mod machine {
     #[inline(always)]
     pub fn read() -> u32 {
         let mut now = 0_u32;
-        // SAFETY: writes the four bytes.
+        // SAFETY: the instruction writes the four bytes of `now`.
         unsafe { asm!("stmxcsr [{}]", in(reg) &raw mut now, options(nostack, preserves_flags)) };
         now
     }
@@ -94,7 +96,7 @@ mod machine {
         state & !FLAGS == DEFAULT
     }
 
-    /// Whether the work raised flags that must not stay.
+    /// Whether the work raised flags that must not remain.
     #[inline(always)]
     pub fn has_raised(before: u32) -> bool {
         read() & !before & RESTORED != 0
@@ -107,7 +109,7 @@ mod machine {
     }
 
     /// # Safety
-    /// `function` takes `data` and does not unwind.
+    /// `function` accepts `data` and does not unwind.
     pub unsafe fn call_in_default(data: *mut c_void, function: unsafe extern "C" fn(*mut c_void)) {
         let (host, default) = (read(), DEFAULT);
         // SAFETY: the caller's promise; the registers that hold what is needed after the call survive it.
@@ -153,7 +155,7 @@ mod machine {
         control == 0
     }
 
-    /// Whether the work raised flags that must not stay.
+    /// Whether the work raised flags that must not remain.
     #[inline(always)]
     pub fn has_raised([_, before]: [u64; 2]) -> bool {
         let [_, after] = read();
@@ -162,12 +164,12 @@ mod machine {
 
     #[inline(always)]
     pub fn set_flags([_, before]: [u64; 2]) {
-        // SAFETY: only flags are written.
+        // SAFETY: only the flags are written.
         unsafe { asm!("msr fpsr, {}", in(reg) before, options(nostack, nomem)) };
     }
 
     /// # Safety
-    /// `function` takes `data` and does not unwind.
+    /// `function` accepts `data` and does not unwind.
     pub unsafe fn call_in_default(data: *mut c_void, function: unsafe extern "C" fn(*mut c_void)) {
         let [control, flags] = read();
         // SAFETY: the caller's promise; the registers that hold what is needed after the call survive it.
@@ -205,7 +207,7 @@ mod machine {
     pub fn set_flags((): ()) {}
 
     /// # Safety
-    /// `function` takes `data`.
+    /// `function` accepts `data`.
     pub unsafe fn call_in_default(data: *mut c_void, function: unsafe extern "C" fn(*mut c_void)) {
         // SAFETY: the caller's promise.
         unsafe { function(data) }

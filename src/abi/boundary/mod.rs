@@ -1,12 +1,13 @@
-//! The boundary of the C ABI: every exported function runs its work through here, so that no panic reaches a host and
-//! the reason for the last failure is available.
+//! The boundary of the C ABI. Every exported function runs its work through this module, so that no panic
+//! reaches a host and the reason for the last failure is available.
 //!
-//! A panic that is caught still prints through the process's panic hook, as the header states: a defect should not go
-//! unnoticed, and the hook belongs to the block program when the library is linked into one.
+//! A panic that is caught is still printed by the process's panic hook, as the header states: a defect should
+//! not go unnoticed, and the hook belongs to the program if the library is linked into one.
 //!
-//! Errors of the modules below become a [`Failure`] with the ABI's status. Exhausted memory is no such error: Rust's
-//! library then ends the process. [`memory_to_build`] therefore allocates memory on trial before a camera or a lens is
-//! built. `float_environment` is the other half of the boundary: the host's traps and rounding stay outside.
+//! Errors of the modules below become a [`Failure`] with a status of the ABI. Exhausted memory does not: in
+//! that case Rust's standard library ends the process. [`memory_to_build`] therefore allocates memory on
+//! trial before a camera or a lens is built. `float_environment` is the other half of the boundary and
+//! shields the work from the host's traps and rounding mode.
 
 pub(super) mod float_environment;
 
@@ -29,10 +30,10 @@ use realistic_optics::imaging::{focus::FocusError, moving::MovingError};
 pub enum realistic_status {
     /// Success.
     Ok = 0,
-    /// A pointer that must not be NULL is NULL. For a camera or a lens see `REALISTIC_STATUS_NOT_A_CAMERA` and
-    /// `REALISTIC_STATUS_NOT_A_LENS`.
+    /// A pointer that must not be NULL is NULL. For a pointer to a camera or a lens, see
+    /// `REALISTIC_STATUS_NOT_A_CAMERA` and `REALISTIC_STATUS_NOT_A_LENS`.
     NullPointer = 1,
-    /// Unknown `struct_size`.
+    /// The `struct_size` is unknown.
     StructSize = 2,
     /// A parameter is unknown, of the wrong kind, out of range or given twice.
     InvalidParameter = 3,
@@ -40,18 +41,20 @@ pub enum realistic_status {
     LensFile = 4,
     /// The lens cannot be focused at the requested distance.
     UnreachableFocus = 5,
-    /// Reserved, and not returned by this version: a file other than the lens description cannot be read or written.
+    /// Reserved, and not returned by this version. A file other than the lens description cannot be read or
+    /// written.
     Io = 6,
-    /// A defect of this library: a panic was caught.
+    /// A panic was caught, which is a defect of this library.
     Panic = 7,
     /// The pointer is NULL or does not point to a camera of this library.
     NotACamera = 8,
-    /// Out of memory: building a camera or a lens needs 8 MiB, and autofocus needs room for its zones. If other threads
-    /// take the last memory meanwhile, or a message has no room, the process ends, as in most of Rust.
+    /// Memory is exhausted. Building a camera or a lens needs 8 MiB, and autofocus needs memory for its
+    /// zones. If other threads use up the memory in the meantime, or if there is none for a message, the
+    /// process ends, as in most Rust programs.
     OutOfMemory = 9,
-    /// Reserved, and not returned by this version: the process lacks a function that the call needs. (`CreateCamera`
-    /// returns NULL if a host's functions are missing, and `realistic.hpp` throws this for a library older than
-    /// itself.)
+    /// Reserved, and not returned by this version. The process lacks a function that the call needs.
+    /// (`CreateCamera` returns NULL if functions of the host are missing, and `realistic.hpp` throws this
+    /// status if the library is older than the header.)
     Unsupported = 10,
     /// The pointer is NULL or does not point to a lens of this library.
     NotALens = 11,
@@ -74,7 +77,7 @@ impl realistic_status {
         Self::NotALens,
     ];
 
-    /// Returns the meaning in a few words.
+    /// Returns the meaning of the status in a few words.
     pub(super) fn name(self) -> &'static CStr {
         match self {
             Self::Ok => c"ok",
@@ -93,12 +96,12 @@ impl realistic_status {
     }
 }
 
-/// Reason for a failed call.
+/// The reason for a failed call.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Failure {
-    /// The status that the caller gets.
+    /// The status that is returned to the caller.
     pub status: realistic_status,
-    /// Message for a person, one or more lines.
+    /// The message for the user, one or more lines.
     pub message: String,
 }
 
@@ -124,14 +127,14 @@ pub fn not_a_camera() -> Failure {
     Failure::new(realistic_status::NotACamera, "this is no camera of this library (or it is NULL)")
 }
 
-/// Most bytes that one array can span: 128 TiB, the address space of a process on x86-64; with addresses of 32 bits,
-/// half of the address space.
+/// Largest number of bytes that one array can span: 128 TiB, the address space of a process on x86-64; with
+/// 32-bit addresses, half of the address space.
 pub const ADDRESSABLE: usize = if usize::BITS < 64 { isize::MAX as usize } else { 1 << 47 };
 
 /// Checks that an array of `n` elements of `bytes` bytes each fits into the address space.
 ///
 /// # Errors
-/// The array does not fit: `n` is uninitialised or wrong.
+/// The array does not fit, because `n` is uninitialised or wrong.
 pub fn fits_memory(n: usize, bytes: usize) -> Result<(), Failure> {
     match n.checked_mul(bytes) {
         Some(all) if all <= ADDRESSABLE => Ok(()),
@@ -159,8 +162,8 @@ thread_local! {
 /// # Errors
 /// The error of `work`, or [`realistic_status::Panic`] if it panics.
 pub fn catch<T>(work: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
-    // Unwind safety: `work` owns any state that it leaves half done (outputs are written last); the library's shared
-    // state is immutable.
+    // Unwind safety: `work` owns any state that a panic leaves half done (outputs are written last), and the
+    // library's shared state is immutable.
     let work = AssertUnwindSafe(|| float_environment::in_default(work));
     catch_unwind(work).unwrap_or_else(|payload| {
         Err(Failure::new(
@@ -170,7 +173,7 @@ pub fn catch<T>(work: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure>
     })
 }
 
-/// Runs `work` for an exported function that returns a status, and remembers a failure.
+/// Runs `work` for an exported function that returns a status, and stores the message of a failure.
 pub fn status(work: impl FnOnce() -> Result<(), Failure>) -> realistic_status {
     match catch(work) {
         Ok(()) => realistic_status::Ok,
@@ -181,7 +184,8 @@ pub fn status(work: impl FnOnce() -> Result<(), Failure>) -> realistic_status {
     }
 }
 
-/// Runs `work` for an exported function that returns a value, and remembers a failure, for which it returns `fallback`.
+/// Runs `work` for an exported function that returns a value. After a failure it stores the message and
+/// returns `fallback`.
 pub fn value<T>(fallback: T, work: impl FnOnce() -> Result<T, Failure>) -> T {
     catch(work).unwrap_or_else(|failure| {
         remember(&failure);
@@ -189,8 +193,8 @@ pub fn value<T>(fallback: T, work: impl FnOnce() -> Result<T, Failure>) -> T {
     })
 }
 
-/// Runs `work` for a call per ray. After a panic it returns `fallback` without a message, because a ray has no time for
-/// more.
+/// Runs `work` for a function that is called for each ray. After a panic it returns `fallback` without
+/// storing a message, to save time.
 #[inline]
 pub fn ray<T>(fallback: T, work: impl FnOnce() -> T) -> T {
     match catch_unwind(AssertUnwindSafe(work)) {
@@ -202,26 +206,26 @@ pub fn ray<T>(fallback: T, work: impl FnOnce() -> T) -> T {
     }
 }
 
-/// Makes a failure's message this thread's last one.
+/// Stores a failure's message as the last message of this thread.
 pub fn remember(failure: &Failure) {
     let message = c_string(&failure.message);
-    // The cell may be gone at the end of a thread; then nobody can read it.
+    // The cell may already be destroyed at the end of a thread; then nobody can read it.
     let _ = LAST_MESSAGE.try_with(|last| *last.borrow_mut() = message);
 }
 
-/// Reads this thread's last message. Its pointer is valid until the next failure.
+/// Reads the last message of this thread. The pointer to it is valid until the next failure.
 pub fn with_last_message<T>(read: impl FnOnce(&CString) -> T) -> Option<T> {
     LAST_MESSAGE.try_with(|last| read(&last.borrow())).ok()
 }
 
-/// Converts a message to a C string of bounded length. `bounded` escapes a NUL inside, where C would stop reading;
-/// the replacement by a space is a safeguard.
+/// Converts a message to a C string of bounded length. `bounded` escapes NUL characters, at which C would
+/// stop reading; replacing them by a space is only a safeguard.
 pub fn c_string(text: &str) -> CString {
     CString::new(bounded(text).replace('\0', " ")).unwrap_or_default()
 }
 
-/// Returns the message of a panic. A payload of any other type is leaked: its destructor might panic in turn, and
-/// nothing would catch that panic.
+/// Returns the message of a panic. A payload that is not a text is leaked, because its destructor might panic
+/// in turn, and nothing would catch that panic.
 fn describe(payload: Box<dyn Any + Send>) -> String {
     match payload.downcast::<&'static str>() {
         Ok(text) => (*text).to_owned(),
@@ -286,23 +290,24 @@ impl From<AutofocusError> for Failure {
     }
 }
 
-/// Memory for building, bytes. Building takes 2.5 MB for any lens, with a tolerance up to 7.7 MB, and keeps less. A fit
-/// of `transmission` may take more.
+/// Memory for building, bytes. Building takes 2.5 MB for any lens, up to 7.7 MB with a tolerance, and keeps
+/// less than that. The fit for `transmission` may take more.
 const CAMERA: usize = 8 << 20;
-/// Block size, bytes, that allocators serve from the same heap as smaller blocks.
+/// Block size, bytes, that is small enough for allocators to use the same heap as for smaller blocks.
 const CHUNK: usize = 1 << 16;
 
 /// Allocates the memory that building a camera or a lens needs, and frees it again without writing to it.
 ///
-/// It tries one block first. An allocator writes a header to each block, and the system must clear every page that is
-/// written to. With many small blocks this takes a quarter of the time of building a small camera.
+/// It first tries a single block. With many small blocks, the allocator writes a header to each, and the
+/// system must clear every page that is written to; this takes a quarter of the time of building a small
+/// camera.
 ///
 /// # Errors
-/// Returns the failure for exhausted memory.
+/// Memory is exhausted.
 pub fn memory_to_build() -> Result<(), Failure> {
     let mut block: Vec<u8> = Vec::new();
     let is_there = block.try_reserve_exact(CAMERA).is_ok();
-    // The compiler might remove an allocation that nobody reads.
+    // `black_box` keeps the compiler from removing an allocation that nobody reads.
     drop(black_box(block));
     if is_there {
         return Ok(());

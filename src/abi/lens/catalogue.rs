@@ -8,7 +8,8 @@ use super::super::{
 };
 use realistic_optics::prescription::catalogue;
 
-/// Copies the names of the built-in lenses, one per line, the default's first. Each is a valid `lens_file`.
+/// Copies the names of the built-in lenses, one per line, beginning with that of the default lens. Each name
+/// is a valid `lens_file`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_catalogue(
     buffer: *mut c_char,

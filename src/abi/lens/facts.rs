@@ -1,4 +1,4 @@
-//! Facts about a lens: its first-order optics, pupils and surfaces, and its focus by exact rays.
+//! Properties of a lens: its first-order optics, pupils and surfaces, and its focus by exact rays.
 
 use std::ffi::c_char;
 
@@ -17,30 +17,31 @@ use realistic_optics::{
     prescription::{Asphere, Coating, NO_TERMS},
 };
 
-/// First-order data of a lens (M. Born and E. Wolf, *Principles of Optics*, chapter 4). Air is on both sides, so the
-/// nodal points are the principal points. z is a coordinate in lens space, mm; it is infinite for a point at infinity.
-/// `realistic_lens_get_info` fills it.
+/// First-order data of a lens (M. Born and E. Wolf, *Principles of Optics*, chapter 4). The lens is in air,
+/// so its nodal points coincide with its principal points. z is a coordinate in lens space, mm; it is
+/// infinite for a point at infinity. `realistic_lens_get_info` fills this structure.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 #[allow(non_camel_case_types)]
 pub struct realistic_lens_info {
     /// `sizeof(realistic_lens_info)`.
     pub struct_size: u32,
-    /// Number of surfaces, the stop included.
+    /// Number of surfaces, including the stop.
     pub surfaces: u32,
-    /// The stop's number, counted from 0 at the scene side; -1 for a lens without one.
+    /// Number of the stop among the surfaces, counted from 0 at the scene side; -1 for a lens without a stop.
     pub stop: i32,
-    /// Number of the surface that limits the beam from a distant point on the axis: by exact rays, the surface that
-    /// blocks the first ray outside the beam.
+    /// Number of the surface that limits the beam from a distant point on the axis: the surface that blocks
+    /// the first exact ray outside the beam.
     pub limiting: i32,
     /// Wavelength, nm.
     pub wavelength: f64,
     /// Effective focal length, mm; negative for a diverging lens, infinite for an afocal one.
     pub focal_length_mm: f64,
-    /// Absolute focal length over the diameter of the beam from a distant point on the axis, by exact rays; infinite
-    /// for an afocal lens, or if no ray parallel to the axis passes.
+    /// Absolute focal length divided by the diameter of the beam of exact rays from a distant point on the
+    /// axis; infinite for an afocal lens, or if no ray parallel to the axis passes.
     pub fnumber: f64,
-    /// Last vertex to the film-side focal point, mm; NaN for an afocal lens, like the next four members.
+    /// Distance from the last vertex to the film-side focal point, mm. This and the next four members are NaN
+    /// for an afocal lens.
     pub back_focal_distance_mm: f64,
     /// z of the scene-side focal point.
     pub front_focal_point_mm: f64,
@@ -54,7 +55,7 @@ pub struct realistic_lens_info {
     pub rear_vertex_mm: f64,
     /// z of the entrance pupil, the first-order image of the limiting surface's aperture.
     pub entrance_pupil_mm: f64,
-    /// Diameter of the entrance pupil, mm: the diameter of the beam.
+    /// Diameter of the entrance pupil, mm, which is the diameter of the beam.
     pub entrance_pupil_diameter_mm: f64,
     /// z of the exit pupil, the first-order image of the limiting surface's aperture.
     pub exit_pupil_mm: f64,
@@ -64,30 +65,31 @@ pub struct realistic_lens_info {
     pub stated_focal_length_mm: f64,
     /// Film distance that the lens's description proposes, from the last vertex, mm; NaN if it proposes none.
     pub nominal_film_distance_mm: f64,
-    /// T-number with uncoated surfaces: the f-number over the square root of the transmission on the axis, at the
-    /// lens's wavelength; NaN if no light passes.
+    /// T-number with uncoated surfaces: the f-number divided by the square root of the transmission on the
+    /// axis, at the lens's wavelength; NaN if no light passes.
     pub tnumber_bare: f64,
-    /// T-number with a quarter-wave coating of MgF2 for 550 nm on the surfaces between air and glass.
+    /// T-number with a quarter-wave coating of MgF2 for 550 nm on all surfaces between air and glass.
     pub tnumber_quarter_wave: f64,
-    /// f-number by first-order optics alone: absolute focal length over the smallest image of any aperture through the
-    /// glass in front of it.
+    /// f-number by first-order optics alone: the absolute focal length divided by the diameter of the
+    /// smallest image of any aperture, formed by the surfaces in front of that aperture.
     pub fnumber_paraxial: f64,
 }
 
-/// One surface of a lens. `realistic_lens_get_surface` fills it.
+/// One surface of a lens. `realistic_lens_get_surface` fills this structure.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 #[allow(non_camel_case_types)]
 pub struct realistic_lens_surface {
     /// `sizeof(realistic_lens_surface)`.
     pub struct_size: u32,
-    /// 1 for the aperture stop, else 0.
+    /// 1 for the aperture stop, otherwise 0.
     pub is_stop: u32,
-    /// z of its vertex, mm; 0 for the first.
+    /// z of the surface's vertex, mm; 0 for the first surface.
     pub vertex_mm: f64,
-    /// Radius of curvature, mm: positive with the centre on the film's side, infinite for a plane.
+    /// Radius of curvature, mm: positive if the centre of curvature lies on the film's side, infinite for a
+    /// plane.
     pub radius_mm: f64,
-    /// Distance to the next vertex, mm; 0 for the last.
+    /// Distance to the next vertex, mm; 0 for the last surface.
     pub thickness_mm: f64,
     /// Refractive index on the scene's side.
     pub index_scene: f64,
@@ -95,7 +97,8 @@ pub struct realistic_lens_surface {
     pub index_film: f64,
     /// Clear semi-diameter, mm.
     pub semi_diameter_mm: f64,
-    /// Radius of the figure's conic at its vertex, mm. It differs from `radius_mm` only where A2 adds to the curvature.
+    /// Vertex radius of the conic part of the surface, mm. It differs from `radius_mm` only if A2 adds to the
+    /// curvature.
     pub conic_radius_mm: f64,
     /// Conic constant k: 0 for a sphere or a plane, -1 for a paraboloid, less for a hyperboloid. With c =
     /// 1/`conic_radius_mm` and r the distance from the axis, the surface lies c r²/(1 + √(1 - (1 + k) c² r²)) + A2 r² +
@@ -205,10 +208,11 @@ pub unsafe extern "C" fn realistic_lens_get_name(
     boundary::status(|| unsafe { give_text(&opened(lens)?.lens.name, buffer, capacity, length) })
 }
 
-/// Finds the film distance, mm from the last vertex, at which a point on the axis `focus_distance_mm` in front of the
-/// **film** is sharpest: its bundle of exact rays at the lens's stop and wavelength has the smallest RMS spot there.
-/// The object distance may be infinite. Returns `REALISTIC_STATUS_UNREACHABLE_FOCUS` if the lens cannot focus there;
-/// the message then states the nearest distance.
+/// Finds the film distance, mm from the last vertex, at which a point on the axis `focus_distance_mm` in
+/// front of the **film** is sharpest: there the point's bundle of exact rays, at the lens's stop and
+/// wavelength, has the smallest RMS spot. The object distance may be infinite. Returns
+/// `REALISTIC_STATUS_UNREACHABLE_FOCUS` if the lens cannot focus at that distance; the message then states
+/// the nearest possible distance.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_lens_focus(
     lens: *const realistic_lens,
@@ -225,8 +229,8 @@ pub unsafe extern "C" fn realistic_lens_focus(
     })
 }
 
-/// Finds the distance in focus, mm from the film along the axis, for film `film_distance` behind the last vertex:
-/// infinity if focused at infinity; NaN if nothing in front of the lens is in focus.
+/// Finds the distance in focus, mm from the film along the axis, for a film at `film_distance` behind the
+/// last vertex: infinity if the lens is focused at infinity, NaN if nothing in front of the lens is in focus.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_lens_focused_on(
     lens: *const realistic_lens,
@@ -243,25 +247,26 @@ pub unsafe extern "C" fn realistic_lens_focused_on(
     })
 }
 
-/// The film that is in focus on a plane. `realistic_lens_plane_of_focus` fills it.
+/// The film that has a given plane in focus. `realistic_lens_plane_of_focus` fills this structure.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 #[allow(non_camel_case_types)]
 pub struct realistic_focused_film {
     /// `sizeof(realistic_focused_film)`.
     pub struct_size: u32,
-    /// Last vertex to the film's centre, mm: the parameter of this name.
+    /// Distance from the last vertex to the film's centre, mm; the value for the parameter of this name.
     pub film_distance: f64,
-    /// Tilt about x, degrees: the parameter of this name.
+    /// Tilt about x, degrees; the value for the parameter of this name.
     pub film_tilt_x: f64,
-    /// Tilt about y, degrees: the parameter of this name.
+    /// Tilt about y, degrees; the value for the parameter of this name.
     pub film_tilt_y: f64,
 }
 
-/// Finds the distance and the tilt of the film that brings the plane through three points of lens space into focus
-/// (Scheimpflug's rule). `points` are x, y, z of each, nine numbers in mm, z toward the scene. The tilt follows from
-/// first-order optics, the distance on the axis from exact rays. Returns `REALISTIC_STATUS_UNREACHABLE_FOCUS`, with the
-/// reason, if a point has no real image, the points define no plane, or the film would stand in the lens.
+/// Finds the distance and the tilt of the film that brings the plane through three points of lens space into
+/// focus (Scheimpflug's rule). `points` are nine numbers in mm, x, y and z of each point, with z toward the
+/// scene. The tilt follows from first-order optics, the distance on the axis from exact rays. Returns
+/// `REALISTIC_STATUS_UNREACHABLE_FOCUS`, with the reason, if a point has no real image, the points do not
+/// define a plane, or the film would intersect the lens.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_lens_plane_of_focus(
     lens: *const realistic_lens,

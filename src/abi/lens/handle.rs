@@ -19,18 +19,18 @@ use realistic_optics::{
 use realistic_trace::kernel::Kernel;
 
 /// A lens at one wavelength and stop. Immutable and thread-safe once built.
-// Not `repr(C)`, so that the header only declares it.
+// This type is not `repr(C)`, so that the header only declares it.
 #[allow(non_camel_case_types)]
 pub struct realistic_lens {
     _opaque: [u8; 0],
     _pinned: core::marker::PhantomData<(*mut u8, core::marker::PhantomPinned)>,
 }
 
-/// Parameters that select a lens and its setting.
+/// Parameters that select a lens and its settings.
 const PARAMETERS: [&str; 6] =
     ["lens_file", "glass_catalog", "wavelength", "zoom", "aperture_diameter", "fnumber"];
 
-/// A lens with the data that callers request repeatedly.
+/// A lens together with the data that callers request repeatedly.
 #[derive(Debug)]
 pub(super) struct OpenedLens {
     pub lens: Lens,
@@ -76,9 +76,10 @@ impl OpenedLens {
 
 static TAG: u8 = 0x4c;
 
-/// Opens a lens, to be freed by `realistic_lens_free`. `lens_file` or `lens_text` selects it, with `glass_catalog`;
-/// `wavelength`, `zoom` and `aperture_diameter` or `fnumber` set it, as for a camera. `xres`, `yres` and the transforms
-/// are not read. Any other parameter is refused, because it would have no effect.
+/// Opens a lens, which the caller frees with `realistic_lens_free`. `lens_file` or `lens_text`, with
+/// `glass_catalog`, selects the lens; `wavelength`, `zoom` and `aperture_diameter` or `fnumber` set it up, as
+/// for a camera. `xres`, `yres` and the transforms are not read. Any other parameter is refused, because it
+/// would have no effect.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_lens_new(
     options: *const realistic_options,
@@ -126,7 +127,8 @@ pub unsafe extern "C" fn realistic_lens_free(lens: *mut realistic_lens) {
 /// The pointer is NULL or does not point to a lens.
 ///
 /// # Safety
-/// `lens` is NULL or a live lens of `realistic_lens_new`, or a pointer can be read there.
+/// `lens` is NULL or a live lens made by `realistic_lens_new`, or memory of the size of a pointer can be read
+/// there.
 pub(super) unsafe fn opened<'a>(lens: *const realistic_lens) -> Result<&'a OpenedLens, Failure> {
     // SAFETY: the caller's promise.
     unsafe { Tagged::of(lens.cast(), &TAG) }.ok_or_else(not_a_lens)

@@ -1,5 +1,5 @@
-//! Traces exact rays through a lens in either direction, many in one call; on request with the point where each ray
-//! meets each surface, for drawings of lenses.
+//! Traces exact rays through a lens in either direction, many in one call. On request it also returns the
+//! point where each ray meets each surface, for drawings of lenses.
 
 use super::{
     super::{
@@ -17,14 +17,14 @@ use realistic_optics::{
 };
 use realistic_trace::kernel::RayBuffer;
 
-/// The side of a lens that rays come from. The numbers are part of the ABI and never change.
+/// The side of a lens from which rays come. The numbers are part of the ABI and never change.
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(non_camel_case_types)]
 pub enum realistic_side {
-    /// Behind the lens; rays travel toward +z.
+    /// Rays come from behind the lens and travel toward +z.
     Film = 0,
-    /// In front of the lens; rays travel toward -z.
+    /// Rays come from in front of the lens and travel toward -z.
     Scene = 1,
 }
 
@@ -45,7 +45,7 @@ pub struct realistic_lens_rays {
     pub reason_stride: isize,
 }
 
-/// A caller's rays.
+/// The columns of a caller's rays.
 #[derive(Clone, Copy)]
 struct RayColumns {
     /// Origins and directions.
@@ -55,7 +55,7 @@ struct RayColumns {
 
 impl RayColumns {
     /// # Errors
-    /// An array is missing or impossible.
+    /// An array is missing or invalid.
     fn of(rays: &realistic_lens_rays, n: usize) -> Result<Self, Failure> {
         let [x, y, z] = vectors("rays.origin", n, &rays.origin)?;
         let [dx, dy, dz] = vectors("rays.direction", n, &rays.direction)?;
@@ -71,7 +71,7 @@ impl RayColumns {
         Ray { origin: [x, y, z], direction: [dx, dy, dz] }
     }
 
-    /// Writes a ray whose numbers are finite, and its reason.
+    /// Writes a ray, if its numbers are finite, and its reason.
     ///
     /// # Safety
     /// Ray `i` exists.
@@ -94,18 +94,18 @@ impl RayColumns {
     }
 }
 
-/// Number of rays traced side by side before the next are loaded.
+/// Number of rays that are loaded and traced side by side.
 const BLOCK: usize = 256;
 
-/// Traces `n` rays through the lens from side `from` (`realistic_side`) and replaces each by the point where it leaves
-/// the last surface and its unit direction there. A blocked ray ends on the last surface that it met, with the
-/// direction behind that surface; if it met none, only the length of its direction changes. Rays may start anywhere
-/// before the lens. A ray with numbers that are not finite, or with a direction of length 0, counts as
-/// `REALISTIC_REASON_MISSED` and does not change.
+/// Traces `n` rays through the lens from side `from` (`realistic_side`). Each ray is replaced by the point
+/// where it leaves the last surface and its unit direction there. A blocked ray is replaced by the point on
+/// the last surface that it met and its direction behind that surface; if it met none, only its direction
+/// changes, to unit length. Rays may start anywhere before the lens. A ray with numbers that are not finite,
+/// or with a direction of length 0, counts as `REALISTIC_REASON_MISSED` and does not change.
 ///
-/// `points` is NULL, or requests the points where the rays meet each surface. Rays are then traced one after another,
-/// which is slower. They agree with rays without points, except for rounding, which may decide at the very edge of an
-/// aperture.
+/// `points` is NULL, or requests the points where the rays meet each surface. With points, rays are traced
+/// one after another, which is slower. The results are the same as without points, except for rounding, which
+/// may matter at the very edge of an aperture.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_lens_trace(
     lens: *const realistic_lens,
@@ -176,8 +176,8 @@ unsafe fn in_blocks(lens: &DirectedLens, n: usize, rays: &RayColumns) {
     }
 }
 
-/// Returns the end of a ray that the kernel blocks, and the reason. If the walk passes the ray, it is within rounding
-/// of an edge and counts as clipped.
+/// Returns the end of a ray that the kernel blocks, and the reason. If the walk lets the ray pass, the ray is
+/// within rounding of an edge and counts as clipped.
 fn blocked(lens: &DirectedLens, ray: Ray) -> (Ray, realistic_reason) {
     let Walk { ray, blocked, .. } = lens.path.walk(ray);
     (ray, blocked.map_or(realistic_reason::Clipped, realistic_reason::from))
@@ -190,16 +190,18 @@ fn blocked(lens: &DirectedLens, ray: Ray) -> (Ray, realistic_reason) {
 pub struct realistic_lens_points {
     /// `sizeof(realistic_lens_points)`.
     pub struct_size: u32,
-    /// The point of ray i on surface k, counted from 0 at the scene side for both directions of travel, is element
-    /// i · `surfaces` + k, with `surfaces` of `realistic_lens_info`; NaN if the ray does not reach the surface.
+    /// The point of ray i on surface k is element i · `surfaces` + k, where `surfaces` is that of
+    /// `realistic_lens_info` and k is counted from 0 at the scene side, whatever the direction of travel. It
+    /// is NaN if the ray does not reach the surface.
     pub point: realistic_vectors,
-    /// Number of surfaces that each ray meets, the one that blocks it included; one element per ray, may be NULL.
+    /// Number of surfaces that each ray meets, including the one that blocks it; one element per ray; may be
+    /// NULL.
     pub met: *mut u32,
-    /// Bytes from one number of surfaces to the next.
+    /// Bytes from one element of `met` to the next.
     pub met_stride: isize,
 }
 
-/// A caller's columns for the points of rays.
+/// A caller's columns for the points where rays meet the surfaces.
 struct SurfacePointColumns {
     point: [Strided<f64>; 3],
     met: Strided<u32>,
@@ -208,7 +210,7 @@ struct SurfacePointColumns {
 
 impl SurfacePointColumns {
     /// # Errors
-    /// An array is missing or impossible.
+    /// An array is missing or invalid.
     fn of(points: &realistic_lens_points, n: usize, surfaces: usize) -> Result<Self, Failure> {
         let all =
             n.checked_mul(surfaces).ok_or_else(|| boundary::too_many(n, surfaces * size_of::<f64>()))?;
@@ -217,10 +219,10 @@ impl SurfacePointColumns {
         Ok(Self { point, met, surfaces })
     }
 
-    /// Writes a point of ray `i`.
+    /// Writes the point of ray `i` on a surface.
     ///
     /// # Safety
-    /// The ray has a surface of this number.
+    /// The columns have an element for this ray and surface.
     unsafe fn put(&self, i: usize, surface: usize, point: [f64; 3]) {
         for (column, number) in self.point.into_iter().zip(point) {
             // SAFETY: the caller's promise.
@@ -232,7 +234,7 @@ impl SurfacePointColumns {
 /// Traces rays through the lens one after another, and records the points where they meet the surfaces.
 ///
 /// # Safety
-/// The columns have `n` rays, and the points of as many.
+/// The columns have `n` rays, and the points have room for as many.
 unsafe fn walk_each(lens: &DirectedLens, n: usize, rays: &RayColumns, points: &SurfacePointColumns) {
     let surfaces = points.surfaces;
     for i in 0..n {

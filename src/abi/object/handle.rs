@@ -19,15 +19,16 @@ pub struct Handle {
     serial: u64,
 }
 
-/// Serial number of the next camera. An address is not unique: a new camera may lie where one was freed.
+/// Serial number of the next camera. The address of a camera would not be unique, because a new camera may
+/// lie where one was freed.
 #[cfg(realistic_shim)]
 static SERIAL: AtomicU64 = AtomicU64::new(1);
 
 impl Handle {
-    /// Builds a camera, from a donor if there is one.
+    /// Builds a camera; a donor speeds this up.
     ///
     /// # Errors
-    /// The message states the wrong input, and what to give instead.
+    /// The message states which input is wrong and what to give instead.
     pub fn build(
         donor: Option<&Camera>,
         parameters: &Parameters,
@@ -47,17 +48,19 @@ impl Handle {
         &self.camera
     }
 
-    /// Serial number, which no other camera of this process has or had; not 0.
+    /// Returns the camera's serial number, which is not 0 and which no other camera of this process has or
+    /// had.
     #[cfg(realistic_shim)]
     pub fn serial(&self) -> u64 {
         self.serial
     }
 
-    /// Returns the ABI's reason for a sample that a batch blocks, at a wavelength, nm, or the camera's own.
+    /// Returns the ABI's reason for a sample that a batch blocks; `wavelength`, nm, defaults to the camera's
+    /// own.
     pub fn reason(&self, sample: &Sample, wavelength: Option<f32>) -> realistic_reason {
         match self.camera.generate(sample, wavelength) {
-            // With a tolerance, single calls may use another tracer. Near an edge it may pass a ray that the batch
-            // blocks.
+            // With a tolerance, single calls may use another tracer than batches. Near an edge, that tracer
+            // may pass a ray that the batch blocks.
             Outcome::Ray(..) => realistic_reason::Clipped,
             Outcome::Blocked(reason) => reason.into(),
             Outcome::Redraw => realistic_reason::Redraw,
@@ -67,7 +70,8 @@ impl Handle {
     }
 }
 
-// The ABI's structures are the camera's by layout: a pointer to one may be cast to the other.
+// The ABI's structures have the same layout as the camera's, so a pointer to one may be cast to a pointer to
+// the other.
 const _: () = {
     assert!(size_of::<realistic_sample>() == size_of::<Sample>());
     assert!(offset_of!(realistic_sample, image_y) == offset_of!(Sample, image_y));
@@ -99,16 +103,16 @@ impl From<Blocked> for realistic_reason {
     }
 }
 
-/// Members of a camera that a host reads; nobody reads them in a C-made camera. They are the end of
-/// `realistic_shim_parts`.
+/// The members of a camera that a host reads; in a camera made from C, nobody reads them. They form the end
+/// of `realistic_shim_parts`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct HostPart {
-    /// The host's film, which the camera's destructor deletes; NULL for none.
+    /// The host's film, which the camera's destructor deletes; NULL if there is none.
     pub film: *mut c_void,
     /// Matrix from world to camera space, row-major, for column vectors.
     pub world_to_camera: [f32; 16],
-    /// Its inverse, from camera to world space.
+    /// Inverse of `world_to_camera`: the matrix from camera to world space.
     pub camera_to_world: [f32; 16],
     /// Near clip distance, world units.
     pub hither: f32,
@@ -121,7 +125,7 @@ pub struct HostPart {
 }
 
 impl HostPart {
-    /// Returns a camera's members for a host; `film` and the two matrices are the host's own.
+    /// Returns the members of a camera that a host reads; `film` and the two matrices come from the host.
     pub fn of(
         camera: &Camera,
         film: *mut c_void,

@@ -1,10 +1,12 @@
-//! Camera objects: a [`Handle`] in the layout that the ABI returns, and the check that an object is one.
+//! Camera objects: a [`Handle`] in the layout that the ABI returns, and the check whether an object is such a
+//! camera.
 //!
-//! With the C++ face, the object has a pbrt-v1 host's vtable and members, so that one kind of camera serves C callers
-//! and that host alike. Without it, the object is a tagged box. The first word identifies either, without a call.
+//! If the C++ part is built, the object has the vtable and members of a pbrt-v1 host's camera, so that one
+//! kind of camera serves both C callers and that host. Otherwise the object is a tagged box. In both cases
+//! the first word identifies the object, without a call.
 //!
-//! `handle` defines the camera in an object, `tagged` a box with a tag, in which lenses lie, too; `triples` serves a
-//! pbrt-v1 host's calls.
+//! `handle` defines the camera in an object; `tagged` defines a box with a tag, which also holds lenses;
+//! `triples` serves the calls of a pbrt-v1 host.
 
 mod handle;
 mod tagged;
@@ -26,7 +28,7 @@ mod implementation {
     use std::ptr::null_mut;
     use std::sync::atomic::{AtomicPtr, Ordering};
 
-    /// Parts of a camera that the C++ face gets: `realistic_shim_parts` of `pbrt-shim/shim.h`.
+    /// Parts of a camera that are passed to the C++ part: `realistic_shim_parts` of `pbrt-shim/shim.h`.
     #[repr(C)]
     struct ShimParts {
         rust: *mut c_void,
@@ -35,7 +37,8 @@ mod implementation {
         host: HostPart,
     }
 
-    /// Bytes of a host's members between a camera's vtable pointer and its Rust part: `REALISTIC_SHIM_HOST_MEMBERS`.
+    /// Number of bytes of a host's members between a camera's vtable pointer and its Rust part:
+    /// `REALISTIC_SHIM_HOST_MEMBERS`.
     const HOST_MEMBERS: usize = 56;
 
     unsafe extern "C" {
@@ -43,7 +46,7 @@ mod implementation {
         fn realistic_shim_camera_delete(camera: *mut c_void);
     }
 
-    /// Makes a camera object with a host's vtable and members; returns NULL if memory is out.
+    /// Makes a camera object with a host's vtable and members; returns NULL if memory is exhausted.
     fn camera_new(parts: &ShimParts) -> *mut c_void {
         // SAFETY: the parts are read during the call only.
         unsafe { realistic_shim_camera_new(parts) }
@@ -52,7 +55,7 @@ mod implementation {
     /// Deletes a camera object as a host does.
     ///
     /// # Safety
-    /// `camera` is NULL or of [`camera_new`], and nobody uses it any more.
+    /// `camera` is NULL or was made by [`camera_new`], and nobody uses it any more.
     unsafe fn camera_delete(camera: *mut c_void) {
         // SAFETY: the caller's promise.
         unsafe { realistic_shim_camera_delete(camera) }
@@ -66,36 +69,36 @@ mod implementation {
         handle: *const Handle,
     }
 
-    /// The vtable pointer of every camera made here; NULL before the first.
+    /// The vtable pointer that all cameras made here share; NULL before the first is made.
     static VTABLE: AtomicPtr<c_void> = AtomicPtr::new(null_mut());
 
-    /// Makes a camera object. `None` when memory is out; then the film stays the host's.
+    /// Makes a camera object; `None` if memory is exhausted, and then the host still owns the film.
     pub fn new(handle: Handle, host: &HostPart) -> Option<*mut realistic_camera> {
         let rust = Box::into_raw(Box::new(handle));
         let camera = camera_new(&ShimParts { rust: rust.cast(), generate, release, host: *host });
         if camera.is_null() {
-            // SAFETY: just made from a box, and no camera took it.
+            // SAFETY: `rust` was just made from a box, and no camera owns it.
             drop(unsafe { Box::from_raw(rust) });
             return None;
         }
-        // SAFETY: a camera object, whose first word is its vtable pointer.
+        // SAFETY: the pointer is to a camera object, whose first word is its vtable pointer.
         VTABLE.store(unsafe { (*camera.cast::<Object>()).vtable }, Ordering::Relaxed);
         Some(camera.cast())
     }
 
-    /// Returns the handle in a camera of [`new`]; `None` for NULL and for any other object.
+    /// Returns the handle in a camera made by [`new`]; `None` for NULL and for any other object.
     ///
     /// # Safety
-    /// `camera` is NULL, or a live camera of [`new`], or 8 bytes can be read there.
+    /// `camera` is NULL or a live camera made by [`new`], or 8 bytes can be read there.
     #[inline]
     pub unsafe fn handle_of<'a>(camera: *const realistic_camera) -> Option<&'a Handle> {
         let object = camera.cast::<Object>();
-        // A misaligned pointer is no object of ours, and is not read.
+        // A misaligned pointer cannot be one of our objects and is not read.
         if object.is_null() || !object.is_aligned() {
             return None;
         }
-        // SAFETY: the caller's promise; past the vtable pointer only when the object is ours, whose boxed `Handle`
-        // never changes until the camera is deleted.
+        // SAFETY: the caller's promise. Memory past the vtable pointer is read only if the object is ours;
+        // its boxed `Handle` does not change until the camera is deleted.
         unsafe {
             let vtable = (&raw const (*object).vtable).read();
             let is_ours = !vtable.is_null() && vtable == VTABLE.load(Ordering::Relaxed);
@@ -103,10 +106,10 @@ mod implementation {
         }
     }
 
-    /// Deletes a camera of [`new`] and its film. Returns false, and does nothing, for any other object.
+    /// Deletes a camera made by [`new`] and its film. For any other object it does nothing and returns false.
     ///
     /// # Safety
-    /// As for [`handle_of`], and nobody uses the camera any more.
+    /// The promises of [`handle_of`]; also, nobody uses the camera any more.
     pub unsafe fn delete(camera: *mut realistic_camera) -> bool {
         // SAFETY: the caller's promise.
         unsafe {
@@ -118,21 +121,21 @@ mod implementation {
         }
     }
 
-    /// The vtable's first slot. A pbrt-v1 host passes its own `Sample` and `Ray`.
+    /// Generates a ray; this is the vtable's first slot. A pbrt-v1 host passes its own `Sample` and `Ray`.
     unsafe extern "C" fn generate(rust: *const c_void, sample: *const c_void, ray: *mut c_void) -> f32 {
-        // SAFETY: `rust` is the handle of `new`; the host's structures begin with ours
-        // (a test compares the layouts), are valid and are not shared during the call.
+        // SAFETY: `rust` is the handle from `new`. The host's structures begin with ours (a test compares the
+        // layouts), are valid, and are not shared during the call.
         let (handle, sample, ray) =
             unsafe { (&*rust.cast::<Handle>(), &*sample.cast::<Sample>(), &mut *ray.cast::<WorldRay>()) };
-        // The fallback is the weight of a blocked ray here: a weight of 0 would make the host read an uninitialised
-        // alpha.
+        // The fallback is the weight that a blocked ray has here, because a weight of 0 would make the host
+        // read an uninitialised alpha.
         boundary::ray(f32::MIN_POSITIVE, || triples::generate(handle, sample, ray))
     }
 
     /// Frees the handle. The camera's destructor calls this.
     unsafe extern "C" fn release(rust: *mut c_void) {
         boundary::ray((), || {
-            // SAFETY: made from a box in `new`; the destructor runs once.
+            // SAFETY: the pointer was made from a box in `new`, and the destructor runs once.
             drop(unsafe { Box::from_raw(rust.cast::<Handle>()) });
         });
     }
@@ -144,24 +147,25 @@ mod implementation {
 
     static TAG: u8 = 0x52;
 
-    /// Makes a camera object. Without a host it has no film.
+    /// Makes a camera object. Without a host, the object has no film.
     pub fn new(handle: Handle, _host: &HostPart) -> Option<*mut realistic_camera> {
         Some(Tagged::boxed(&TAG, handle).cast())
     }
 
-    /// Returns the handle in a camera of [`new`]; `None` for NULL and for any other object.
+    /// Returns the handle in a camera made by [`new`]; `None` for NULL and for any other object.
     ///
     /// # Safety
-    /// `camera` is NULL, or a live camera of [`new`], or a pointer can be read there.
+    /// `camera` is NULL or a live camera made by [`new`], or memory of the size of a pointer can be read
+    /// there.
     pub unsafe fn handle_of<'a>(camera: *const realistic_camera) -> Option<&'a Handle> {
         // SAFETY: the caller's promise.
         unsafe { Tagged::of(camera.cast(), &TAG) }
     }
 
-    /// Deletes a camera of [`new`]. Returns false, and does nothing, for any other object.
+    /// Deletes a camera made by [`new`]. For any other object it does nothing and returns false.
     ///
     /// # Safety
-    /// As for [`handle_of`], and nobody uses the camera any more.
+    /// The promises of [`handle_of`]; also, nobody uses the camera any more.
     pub unsafe fn delete(camera: *mut realistic_camera) -> bool {
         // SAFETY: the caller's promise.
         unsafe { Tagged::<Handle>::free(camera.cast(), &TAG) }

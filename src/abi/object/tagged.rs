@@ -1,9 +1,10 @@
-//! Objects in boxes that begin with a tag, which distinguishes a caller's pointer to one from any other pointer.
+//! Objects in boxes that begin with a tag. The tag distinguishes a caller's pointer to such an object from
+//! any other pointer.
 
 use std::ptr::null;
 
-/// An object behind its tag, the address of a static of the object's kind. The static must not share its address with
-/// another constant.
+/// An object preceded by its tag, which is the address of a static that stands for the object's kind. This
+/// static must not share its address with another constant.
 #[repr(C)]
 pub struct Tagged<T> {
     tag: *const u8,
@@ -11,7 +12,7 @@ pub struct Tagged<T> {
 }
 
 impl<T> Tagged<T> {
-    /// Puts an object into a box of its own, to be freed by [`Tagged::free`].
+    /// Puts an object into a box, which is freed with [`Tagged::free`].
     pub fn boxed(tag: &'static u8, object: T) -> *mut Self {
         Box::into_raw(Box::new(Self { tag, object }))
     }
@@ -19,19 +20,21 @@ impl<T> Tagged<T> {
     /// Returns the object at a caller's pointer; `None` for NULL and for an object of any other kind.
     ///
     /// # Safety
-    /// `tagged` is NULL, or of [`Tagged::boxed`] and live, or a pointer can be read there.
+    /// `tagged` is NULL or a live object made by [`Tagged::boxed`], or memory of the size of a pointer can be
+    /// read there.
     pub unsafe fn of<'a>(tagged: *const Self, tag: &'static u8) -> Option<&'a T> {
         if tagged.is_null() || !tagged.is_aligned() {
             return None;
         }
-        // SAFETY: the caller's promise; past the tag only when the object is ours.
+        // SAFETY: the caller's promise. Memory past the tag is read only if the object is ours.
         unsafe { (*tagged.cast::<*const u8>() == &raw const *tag).then(|| &(*tagged).object) }
     }
 
-    /// Frees the object at a caller's pointer. Returns false, and does nothing, where [`Tagged::of`] is `None`.
+    /// Frees the object at a caller's pointer. If [`Tagged::of`] returns `None`, does nothing and returns
+    /// false.
     ///
     /// # Safety
-    /// As for [`Tagged::of`], and nobody uses the object any more.
+    /// The promises of [`Tagged::of`]; also, nobody uses the object any more.
     pub unsafe fn free(tagged: *mut Self, tag: &'static u8) -> bool {
         // SAFETY: the caller's promise; the tag shows that it came from a box.
         unsafe {

@@ -1,17 +1,18 @@
-//! Serves the calls of a pbrt-v1 host. It calls three times per sample: at (x, y), at (x + 1, y) and at (x, y + 1),
-//! with the same lens and time sample. The first call traces all three side by side; the next two read their rays from
-//! here.
+//! Serves the calls of a pbrt-v1 host, which calls three times per sample: at (x, y), at (x + 1, y) and at
+//! (x, y + 1), with the same lens and time sample. The first call traces all three rays side by side; the
+//! next two calls read their rays from here.
 //!
-//! The stored rays belong to a thread, a camera (by its serial number) and the exact floats of the host's next calls. A
-//! camera never changes, so a stored ray equals the ray that a call would trace; a wrong guess costs the time of two
-//! rays and nothing else.
+//! The stored rays are identified by the thread, the camera (by its serial number) and the exact floats of
+//! the host's expected calls. A camera never changes, so a stored ray equals the ray that a call would trace;
+//! a wrong guess only costs the time of tracing two rays.
 //!
-//! **Store forwarding.** A processor forwards a number that was just stored to a load of the same width at once. A
-//! wider load waits until all stores that it covers have left the store buffer, and with them all earlier stores: those
-//! of the previous call. The host has just written its sample number by number, and an optimising compiler tends to
-//! read four at once. This module avoids the wait: it reads the sample number by number ([`read`]), compares stored
-//! keys likewise ([`alike`]), and stores as vectors the numbers that vectors will load ([`at_points`]). A C
-//! caller's sample needs no such care: the compiled tracer reads each of its numbers separately.
+//! **Store forwarding.** A processor forwards a number that was just stored immediately to a load of the same
+//! width. A wider load has to wait until all stores that it covers, and with them all earlier stores, have
+//! left the store buffer; the earlier stores are those of the previous call. The host has just written its
+//! sample number by number, and an optimising compiler tends to read four numbers at once. This module avoids
+//! the wait: it reads the sample number by number ([`read`]), compares stored keys in the same way
+//! ([`alike`]), and stores as vectors the numbers that will be loaded as vectors ([`at_points`]). A C
+//! caller's sample needs no such care, because the compiled tracer reads each of its numbers separately.
 
 use std::cell::RefCell;
 
@@ -23,10 +24,10 @@ use ::realistic_camera::{
     rays::{FourRays, at_points},
 };
 
-/// The bits of an image point, x and y.
+/// The bits of x and y of an image point.
 type RasterBits = [u32; 2];
 
-/// Rays of the last sample traced; the host is expected to request two of them.
+/// The rays of the last sample traced, of which the host is expected to request the second and the third.
 struct Expected {
     /// The camera's serial number; 0 for none.
     serial: u64,
@@ -44,9 +45,9 @@ thread_local! {
     };
 }
 
-/// Writes a ray for a host's vtable, that of [`Camera::ray`](::realistic_camera::Camera::ray), and returns its weight. A
-/// blocked ray has the smallest normal weight and is complete nevertheless, because a pbrt-v1 host reads an
-/// uninitialised alpha for weight 0.
+/// Writes the ray of [`Camera::ray`](::realistic_camera::Camera::ray) for a host's vtable call, and returns
+/// the ray's weight. A blocked ray has the smallest normal number as its weight and is nevertheless complete,
+/// because a pbrt-v1 host reads an uninitialised alpha if the weight is 0.
 #[inline(always)]
 pub fn generate(handle: &Handle, sample: &Sample, ray: &mut WorldRay) -> f32 {
     let served = EXPECTED
@@ -55,8 +56,8 @@ pub fn generate(handle: &Handle, sample: &Sample, ray: &mut WorldRay) -> f32 {
             let sample = read(sample);
             let index = match expected.index_of(handle, &sample) {
                 Some(index) => index,
-                // Only here, because reading the host's floating-point environment takes as long as finding a stored
-                // ray.
+                // The host's floating-point environment is read only here, because reading it takes as long
+                // as finding a stored ray.
                 None => for_triple(|| expected.trace(handle, &sample)).then_some(0)?,
             };
             Some(expected.rays.copy_to(index, ray))
@@ -70,7 +71,7 @@ pub fn generate(handle: &Handle, sample: &Sample, ray: &mut WorldRay) -> f32 {
     }
 }
 
-/// [`generate`] without stored rays.
+/// Generates a ray like [`generate`], without stored rays.
 #[inline(never)]
 fn alone(handle: &Handle, sample: &Sample, ray: &mut WorldRay) -> f32 {
     let mut weight = 0.0;
@@ -87,8 +88,8 @@ fn substitute(handle: &Handle, sample: &Sample, ray: &mut WorldRay) -> f32 {
     f32::MIN_POSITIVE
 }
 
-/// Reads a sample number by number, as its host has just written it. The loads are volatile, or the compiler would
-/// merge four into one.
+/// Reads a sample number by number, because its host has just written it that way. The loads are volatile;
+/// otherwise the compiler would merge four of them into one.
 #[inline(always)]
 fn read(sample: &Sample) -> Sample {
     let Sample { image_x, image_y, lens_u, lens_v, time } = sample;
@@ -116,10 +117,10 @@ impl Expected {
         }
     }
 
-    /// Traces a sample and the two expected after it. Returns `false` if the camera gains nothing from that.
+    /// Traces a sample and the two expected after it. Returns `false` if this is no faster for the camera.
     #[inline(always)]
     fn trace(&mut self, handle: &Handle, sample: &Sample) -> bool {
-        // If tracing panics, the stored rays belong to no camera.
+        // If tracing panics, the stored rays then belong to no camera.
         self.serial = 0;
         let points @ [[x, y], [right, _], [back, below]] = host_points(sample);
         let samples = at_points(sample, [x, right, back, back], [y, y, below, below]);
@@ -133,7 +134,8 @@ impl Expected {
     }
 }
 
-/// Whether two keys are equal, compared number by number: the compiler turns `==` into wider loads.
+/// Whether two keys are equal. They are compared number by number, because the compiler would turn `==` into
+/// wider loads.
 #[inline(always)]
 fn alike<const N: usize>(a: [u32; N], b: [u32; N]) -> bool {
     let mut difference = 0;
@@ -147,8 +149,9 @@ fn lens_and_time(sample: &Sample) -> [u32; 3] {
     [sample.lens_u, sample.lens_v, sample.time].map(f32::to_bits)
 }
 
-/// Returns the image points of the host's three calls, beginning with this sample's. The host adds 1 to x, subtracts it
-/// again, and adds 1 to y, in single precision, where x + 1 - 1 may differ from x.
+/// Returns the image points of the host's three calls for a sample, beginning with the sample's own. The host
+/// adds 1 to x, subtracts it again, and adds 1 to y, in single precision, in which x + 1 - 1 may differ from
+/// x.
 fn host_points(sample: &Sample) -> [[f32; 2]; 3] {
     let Sample { image_x, image_y, .. } = *sample;
     let right = image_x + 1.0;
@@ -174,7 +177,7 @@ mod tests {
         Handle::build(None, &parameters, &host, &mut |_, _| ()).expect("a camera")
     }
 
-    /// The bits that a host gets without stored rays.
+    /// The bits that a host would receive without stored rays.
     fn plain(handle: &Handle, sample: &Sample) -> [u32; 10] {
         let found = handle.camera().ray(sample);
         let (ray, weight) = found.unwrap_or_else(|| (handle.camera().substitute(sample), f32::MIN_POSITIVE));
@@ -204,7 +207,8 @@ mod tests {
             self.below(1001) as f32 / 1000.0
         }
 
-        /// Returns a sample on the film, in the filter's margin, far beyond, or at an x that differs from x + 1 - 1.
+        /// Returns a sample on the film, in the filter's margin, far outside the film, or at an x that
+        /// differs from x + 1 - 1.
         fn sample(&mut self) -> Sample {
             Sample {
                 image_x: [
@@ -293,8 +297,8 @@ mod tests {
         let first = Sample { image_x: 20.0, image_y: 15.0, lens_u: 0.4, lens_v: 0.6, time: 0.0 };
         let [_, [image_x, image_y], _] = host_points(&first);
         let next = Sample { image_x, image_y, ..first };
-        // Every camera lies where the previous one lay, and is called at once with the sample whose ray is stored for
-        // the previous one.
+        // Each camera lies at the address of the previous one and is called immediately with the sample whose
+        // ray is stored for the previous one.
         let mut camera = made(0);
         for i in 1..20 {
             for sample in [next, first] {

@@ -1,7 +1,7 @@
-//! The entry point of a pbrt-v1 host, `CreateCamera`: it takes the host's parameters, transform and film, and returns a
-//! camera of the host's layout. `shim` reads the host's objects. The host warns of an unused parameter, but does not
-//! suggest the intended name: this module finds misspelt names ([`misspelt`]). The cameras, and the host's calls of
-//! them, are in `abi/object`.
+//! The entry point of a pbrt-v1 host, `CreateCamera`, which takes the host's parameters, transform and film,
+//! and returns a camera with the layout of the host's cameras. `shim` reads the host's objects. The host
+//! warns of an unused parameter but does not suggest the intended name, so this module finds misspelt names
+//! ([`misspelt`]). The cameras, and the functions through which the host calls them, are in `abi/object`.
 
 mod shim;
 
@@ -23,12 +23,13 @@ use shim::{Given, HostKind, ParamSet};
 /// Makes a camera for a pbrt-v1 host: takes the host's `const ParamSet &`, `const Transform &` (world to camera) and
 /// `Film *`, and returns the host's `Camera *`.
 ///
-/// The host calls the camera through its vtable and frees it with `delete`, which deletes the film too. On failure the
-/// function reports the reason to the host's error function and returns NULL; the film stays the host's.
+/// The host calls the camera through its vtable and frees it with `delete`, which also deletes the film. On
+/// failure the function passes the reason to the host's error function and returns NULL; the host then still
+/// owns the film.
 ///
 /// # Safety
-/// The three pointers are NULL or of a pbrt-v1 host in this process, with the layouts
-/// of 1.05.
+/// Each of the three pointers is NULL or points to an object of a pbrt-v1 host in this process, with the
+/// layout of version 1.05.
 #[unsafe(no_mangle)]
 #[allow(non_snake_case)]
 pub unsafe extern "C" fn CreateCamera(
@@ -39,7 +40,7 @@ pub unsafe extern "C" fn CreateCamera(
     // SAFETY: the caller's promise.
     boundary::catch(|| unsafe { create(params, world2cam, film) }).unwrap_or_else(|failure| {
         boundary::remember(&failure);
-        // Line by line: the host prints each with its own prefix.
+        // Reports line by line, because the host prints each message with its own prefix.
         for line in bounded(&failure.message).lines() {
             report(Level::Error, line);
         }
@@ -47,20 +48,21 @@ pub unsafe extern "C" fn CreateCamera(
     })
 }
 
-/// Note on a directory that a host's user may expect to be searched for lens files, but that is not.
+/// Note on a directory that a user of the host may expect to be searched for lens files, but which is not
+/// searched.
 const NOT_SEEN: &str = " (a scene's SearchPath cannot be seen from a plugin)";
 
-/// Warning about `crop`: a camera cannot choose the pixels that a pbrt-v1 host renders. The host's film does, and
-/// requests samples of those pixels only.
+/// Warning about `crop`. A camera cannot choose the pixels that a pbrt-v1 host renders; the host's film
+/// chooses them and requests samples only for those pixels.
 const CROP: &str = "\"crop\" is not used by pbrt, whose film says what to render: give it \"float cropwindow\" [x-from \
                     x-to y-from y-to], parts of the picture from 0 to 1";
 
-/// Warning about `af_zones`, which some course scenes give to a host that has autofocus.
+/// Warning about `af_zones`, which some course scenes specify for a host that has autofocus.
 const AF_ZONES: &str = "\"af_zones\" is not used: this host offers no autofocus; give \"focus_distance\" (units of \
                         camera space from the film) or \"film_distance\" (mm)";
 
 /// # Safety
-/// As for [`CreateCamera`].
+/// The promises of [`CreateCamera`].
 unsafe fn create(
     params: *const c_void,
     world2cam: *const c_void,
@@ -79,7 +81,7 @@ unsafe fn create(
     let set = params.text().unwrap_or_default();
     let mut parameters = read_parameters(&params, &set)?;
     for name in misspelt(&set) {
-        // A name that is looked up counts as used, so the host does not warn of it a second time.
+        // A name that is looked up counts as used, so the host does not warn about it a second time.
         if !given(&params, name)?.is_empty() {
             report(Level::Warning, &Parameters::unknown(name).to_string());
         }
@@ -110,13 +112,13 @@ fn report(level: Level, text: &str) {
     shim::message(level, &format!("realistic: {text}"));
 }
 
-/// Returns the model that the file is named after: "environment" for `environment.so`.
+/// Returns the model after which the file is named: "environment" for `environment.so`.
 fn model_named(plugin: &Path) -> Option<Model> {
     plugin.file_stem()?.to_str()?.parse().ok()
 }
 
-/// Reads every parameter of this library from the host. Only these names are looked up: the host counts the others as
-/// unused and reports them. `set` is the set's own text.
+/// Reads every parameter of this library from the host. Only these names are looked up, so that the host
+/// counts all others as unused and reports them. `set` is the text of the parameter set.
 fn read_parameters(params: &ParamSet<'_>, set: &str) -> Result<Parameters, Failure> {
     let mut parameters = Parameters::default();
     let mut complaints: Vec<String> = of_foreign_types(set).collect();
@@ -133,9 +135,9 @@ fn read_parameters(params: &ParamSet<'_>, set: &str) -> Result<Parameters, Failu
 
 /// Reads one parameter. The outer error ends the whole reading; the inner error concerns this parameter only.
 ///
-/// The host keeps one set per kind and finds nothing under another, so each is searched. A value of another kind is
-/// accepted if it has one meaning only: an integer for a number, and a string as on the command line
-/// (`--param NAME=TEXT`).
+/// The host keeps a separate set for each kind and finds a name only in the set of its kind, so every set is
+/// searched. A value of another kind is accepted if its meaning is unambiguous: an integer for a number, or a
+/// string as on the command line (`--param NAME=TEXT`).
 fn read_one(
     params: &ParamSet<'_>,
     name: &'static str,
@@ -188,7 +190,7 @@ fn given<'a>(params: &ParamSet<'a>, name: &str) -> Result<Vec<(HostKind, Given<'
     Ok(found)
 }
 
-/// Returns the kind by which a scene file spells a kind of this library.
+/// Returns the kind of a scene file's value that corresponds to a kind of this library.
 fn host_kind(kind: Kind) -> HostKind {
     match kind {
         Kind::Float | Kind::Four => HostKind::Float,
@@ -197,20 +199,21 @@ fn host_kind(kind: Kind) -> HostKind {
     }
 }
 
-/// Returns the number that the scene's author wrote. A host stores floats, and 35.1 as a float is 35.099998… in double.
-/// C callers and the command line would pass the shortest decimal that rounds to this float, so the cameras agree.
+/// Returns the number that the scene's author wrote. A host stores floats, and 35.1 as a float is 35.099998…
+/// in double precision. C callers and the command line would pass the shortest decimal number that rounds to
+/// this float; using it here makes the cameras agree.
 fn as_written(number: f32) -> f64 {
     number.to_string().parse().unwrap_or_else(|_| f64::from(number))
 }
 
-/// Returns the names of a set that are unknown and similar to a known name.
+/// Returns the names in a set that are unknown but similar to a known name.
 fn misspelt(set: &str) -> impl Iterator<Item = &str> {
     let names = declarations(set).map(|(_, name)| name);
     names.filter(|name| Parameters::find(name).is_none() && Parameters::nearest(name).is_some())
 }
 
-/// Returns errors about known parameters that a set has as points, textures and the like. Names are not looked up among
-/// these.
+/// Returns errors about known parameters that a set contains as points, textures or other types in which
+/// names are not looked up.
 fn of_foreign_types(set: &str) -> impl Iterator<Item = String> {
     let is_foreign = |kind: &str| HostKind::ALL.iter().all(|known| known.word() != kind);
     declarations(set).filter(move |(kind, _)| is_foreign(kind)).filter_map(|(kind, name)| {
@@ -220,7 +223,7 @@ fn of_foreign_types(set: &str) -> impl Iterator<Item = String> {
     })
 }
 
-/// Returns the types and names of a set, whose text is that of a scene file:
+/// Returns the types and names of the parameters in a set, whose text has the form of a scene file:
 /// `"float fov" [45 ] "string pupil" ["rear" ]`.
 fn declarations(set: &str) -> impl Iterator<Item = (&str, &str)> {
     const KINDS: [&str; 9] =

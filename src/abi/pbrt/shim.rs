@@ -1,5 +1,5 @@
-//! Access to a host's objects through the C++ face: the functions of `pbrt-shim/shim.h` and thin wrappers of them. The
-//! cameras that the C++ face makes are in `abi/object`.
+//! Access to a host's objects through the C++ part: the functions of `pbrt-shim/shim.h` and thin wrappers
+//! around them. The cameras that the C++ part makes are in `abi/object`.
 
 use std::ffi::{c_char, c_void};
 use std::path::PathBuf;
@@ -10,7 +10,7 @@ use crate::abi::boundary::{self, Failure, realistic_status};
 use crate::abi::types::level_number;
 use ::realistic_camera::Level;
 
-/// `realistic_shim_found`.
+/// The structure `realistic_shim_found` of `pbrt-shim/shim.h`.
 #[repr(C)]
 struct RawFound {
     count: i32,
@@ -52,15 +52,15 @@ unsafe extern "C" {
     fn realistic_shim_message(level: i32, text: *const c_char);
 }
 
-/// The floats of a host's transform: row-major, for column vectors.
+/// The floats of a host's transform, as row-major matrices for column vectors.
 pub struct Transform {
     /// The matrix.
     pub matrix: [f32; 16],
-    /// Its inverse, as the host computed it.
+    /// The inverse of `matrix`, as the host computed it.
     pub inverse: [f32; 16],
 }
 
-/// Reads a host's `Transform`. `None` when a pointer in it is NULL.
+/// Reads a host's `Transform`; `None` if a pointer in it is NULL.
 ///
 /// # Safety
 /// `transform` is NULL or points to a pbrt-v1 `Transform`.
@@ -72,7 +72,7 @@ pub unsafe fn transform(transform: *const c_void) -> Option<Transform> {
     (done != 0).then_some(read)
 }
 
-/// Reads the resolution of a host's `Film`: x, y. `None` for NULL.
+/// Reads the x and y resolution of a host's `Film`; `None` for NULL.
 ///
 /// # Safety
 /// `film` is NULL or points to a pbrt-v1 `Film`.
@@ -97,10 +97,10 @@ pub enum HostKind {
 }
 
 impl HostKind {
-    /// Every kind in which a scene may give a parameter of this library.
+    /// Every kind of value that a scene may give for a parameter of this library.
     pub const ALL: [Self; 4] = [Self::Float, Self::Integer, Self::Bool, Self::String];
 
-    /// The word in a scene file.
+    /// Returns the word for this kind in a scene file.
     pub fn word(self) -> &'static str {
         match self {
             Self::Float => "float",
@@ -111,16 +111,16 @@ impl HostKind {
     }
 }
 
-/// Values that a scene gives for one name and kind.
+/// The values that a scene gives for one name and kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Given<'a> {
     /// The floats.
     Floats(&'a [f32]),
     /// The integers.
     Integers(&'a [i32]),
-    /// The booleans: how many there are, and the first.
+    /// The number of booleans, and the first of them.
     Bools(usize, bool),
-    /// The strings: how many there are, and the bytes of the first.
+    /// The number of strings, and the bytes of the first of them.
     Strings(usize, &'a [u8]),
 }
 
@@ -135,7 +135,7 @@ impl Given<'_> {
     }
 }
 
-/// A host's parameter set, for the time of one call.
+/// A host's parameter set, valid during one call.
 #[derive(Clone, Copy)]
 pub struct ParamSet<'a> {
     pointer: NonNull<c_void>,
@@ -154,7 +154,7 @@ impl<'a> ParamSet<'a> {
     /// Looks up `name` among the values of one kind; the host then counts it as used.
     ///
     /// # Errors
-    /// The process has no such functions, or memory is out.
+    /// The process lacks the host's functions, or memory is exhausted.
     pub fn find(&self, name: &str, kind: HostKind) -> Result<Option<Given<'a>>, Failure> {
         let number = match kind {
             HostKind::Float => FLOAT,
@@ -164,7 +164,7 @@ impl<'a> ParamSet<'a> {
         };
         let mut found =
             RawFound { count: 0, boolean: 0, floats: null(), integers: null(), text: null(), text_size: 0 };
-        // SAFETY: the set is valid by `new`'s promise; the name is read during the call.
+        // SAFETY: by the promise of `new`, the set is valid; the name is read only during the call.
         let result = unsafe {
             realistic_shim_find(self.pointer.as_ptr(), number, name.as_ptr().cast(), name.len(), &mut found)
         };
@@ -182,14 +182,14 @@ impl<'a> ParamSet<'a> {
         }
         let count = usize::try_from(found.count).unwrap_or(0);
         Ok(Some(match kind {
-            // SAFETY: when something is found the host's array has `count` floats, and
-            // they live as long as the set.
+            // SAFETY: if something is found, the host's array has `count` floats, which are valid as long as
+            // the set.
             HostKind::Float => Given::Floats(unsafe { slice_of(found.floats, count) }),
-            // SAFETY: as above, of integers.
+            // SAFETY: as above, with integers.
             HostKind::Integer => Given::Integers(unsafe { slice_of(found.integers, count) }),
             HostKind::Bool => Given::Bools(count, found.boolean != 0),
-            // SAFETY: the first string has `text_size` bytes, and lives as long as the
-            // set; both are zero when there is no first string.
+            // SAFETY: the first string has `text_size` bytes and is valid as long as the set; pointer and
+            // size are both zero if there is no first string.
             HostKind::String => {
                 Given::Strings(count, unsafe { slice_of(found.text.cast(), found.text_size) })
             }
@@ -198,30 +198,33 @@ impl<'a> ParamSet<'a> {
 }
 
 impl ParamSet<'_> {
-    /// Returns every parameter in the syntax of a scene file, in a text that the host makes; `None` if the host cannot.
+    /// Returns every parameter in the syntax of a scene file, as a text that the host makes; `None` if the
+    /// host cannot make it.
     pub fn text(&self) -> Option<String> {
         text(self.pointer.as_ptr(), PARAMETERS)
     }
 }
 
-/// Returns the path of the scene file that the host is reading, if it is known.
+/// Returns the path of the scene file that the host is reading; `None` if it is not known.
 pub fn scene_file() -> Option<PathBuf> {
     text(null(), SCENE_FILE).map(PathBuf::from)
 }
 
-/// Returns a text of the host, if there is one. `params` is of a [`ParamSet`], or NULL for a text that is not of a set.
+/// Returns a text of the host; `None` if there is none. `params` is the pointer of a [`ParamSet`], or NULL
+/// for a text that does not belong to a set.
 fn text(params: *const c_void, which: i32) -> Option<String> {
     unsafe extern "C" fn take(user: *mut c_void, text: *const c_char, size: usize) {
-        // SAFETY: `user` is the string below, and the C++ face passes a text of that size.
+        // SAFETY: `user` is the string below, and the C++ part passes a text of `size` bytes.
         unsafe { (*user.cast::<String>()).push_str(&String::from_utf8_lossy(slice_of(text.cast(), size))) };
     }
     let mut found = String::new();
-    // SAFETY: the set is valid by `ParamSet::new`'s promise; `take` and the string are used during the call.
+    // SAFETY: by the promise of `ParamSet::new`, the set is valid; `take` and the string are used only during
+    // the call.
     let result = unsafe { realistic_shim_text(params, which, take, (&raw mut found).cast()) };
     (result == FOUND).then_some(found)
 }
 
-/// Returns a slice, which is empty for a NULL pointer.
+/// Returns a slice of `count` values; an empty slice if the pointer is NULL.
 ///
 /// # Safety
 /// `pointer` is NULL or points to `count` values that live for `'a`.
@@ -233,9 +236,9 @@ unsafe fn slice_of<'a, T>(pointer: *const T, count: usize) -> &'a [T] {
     unsafe { slice::from_raw_parts(pointer, count) }
 }
 
-/// Reports a message through the host's own message functions; on stderr if it has none.
+/// Reports a message with the host's message functions or, if it has none, on stderr.
 pub fn message(level: Level, text: &str) {
     let text = boundary::c_string(text);
-    // SAFETY: a NUL-terminated text that lives during the call.
+    // SAFETY: the text ends in NUL and is valid during the call.
     unsafe { realistic_shim_message(level_number(level), text.as_ptr()) }
 }

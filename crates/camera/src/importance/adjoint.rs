@@ -1,4 +1,5 @@
-//! The adjoint camera: takes rays and points of the world and returns importance and directions.
+//! The adjoint camera, which computes the importance of rays in world space and samples directions toward the
+//! lens from world points.
 
 use super::{
     Aimed, Importance, ScenePoint,
@@ -16,7 +17,7 @@ use realistic_optics::lens::Ray;
 use realistic_simd::{Available, Cpu, Lanes};
 use realistic_trace::kernel::LensRays;
 
-/// The optics that take rays from the front of the lens to the film, in camera space.
+/// The optics that trace rays from the front of the lens to the film, in camera space.
 #[derive(Clone, Debug)]
 enum AdjointOptics {
     Lens(Box<AdjointLens>),
@@ -28,34 +29,37 @@ enum AdjointOptics {
 pub struct AdjointCamera {
     optics: AdjointOptics,
     placement: Placement,
-    /// The camera's pose; `None` for a moving camera.
+    /// The camera's pose, if the camera does not move; `None` for a moving camera.
     still_pose: Option<Pose>,
     /// World units per unit of the optics.
     units: f64,
-    /// Area of the front of the lens, the domain of densities per area, in the optics' units².
+    /// Area of the front of the lens, over which densities per area are defined, in square units of the
+    /// optics.
     front_area: f64,
-    /// Least and largest distance from the lens at which a point is seen, world units.
+    /// Smallest and largest distance from the lens at which the camera sees a point, world units.
     distances: [f64; 2],
     shutter: Shutter,
     rows: f32,
     simd: Available,
 }
 
-/// Rounding error of times by which one may lie outside the shutter's interval, as a share of the interval.
+/// Rounding error by which a time may lie outside the shutter's interval, as a fraction of the interval.
 const ROUNDING: f32 = 1e-5;
 /// Largest number that rounds to 0 in single precision: 2^-150.
 const LEAST: f64 = f32::MIN_POSITIVE as f64 / (1_u64 << 24) as f64;
 
 impl AdjointCamera {
-    /// Returns the adjoint of a lens with its film; `units_per_mm` is world units per millimetre.
+    /// Returns the adjoint of a lens with its film; `units_per_mm` is the number of world units per
+    /// millimetre.
     pub fn of_lens(lens: AdjointLens, placement: &Placement, units_per_mm: f64) -> Self {
         let front_area = lens.front_area();
         let clip = placement.clip.map(f64::from);
         Self::new(AdjointOptics::Lens(Box::new(lens)), placement, units_per_mm, front_area, clip)
     }
 
-    /// Returns the adjoint of a camera with linear rays. `units` is world units per unit of the camera, `front_area`
-    /// the area of its lens, and `distances` the range of distances from the lens at which it sees points.
+    /// Returns the adjoint of a camera with linear rays. `units` is the number of world units per unit of the
+    /// camera, `front_area` is the area of the camera's lens, and `distances` is the range of distances from
+    /// the lens at which the camera sees points.
     pub(crate) fn of_linear(
         linear: &Linear,
         placement: &Placement,
@@ -87,12 +91,12 @@ impl AdjointCamera {
         Self { shutter, rows, ..self }
     }
 
-    /// The middle of the shutter's interval.
+    /// Returns the middle of the shutter's interval.
     pub fn middle_time(&self) -> f32 {
         self.placement.time(0.5)
     }
 
-    /// Whether everything that is built on demand has been built.
+    /// Whether all data that is built on demand has been built.
     pub fn is_complete(&self) -> bool {
         match &self.optics {
             AdjointOptics::Lens(lens) => lens.is_tabulated(),
@@ -109,8 +113,8 @@ impl AdjointCamera {
         }
     }
 
-    /// Returns a time as a fraction of the shutter's interval, `None` outside it. If the shutter opens and closes at
-    /// the same time, the fraction is 0.5.
+    /// Returns a time as a fraction of the shutter's interval, or `None` if the time lies outside the
+    /// interval. If the shutter opens and closes at the same time, the fraction is 0.5.
     fn time_number(&self, time: f32) -> Option<f32> {
         let [open, close] = self.placement.shutter;
         if open == close {
@@ -120,10 +124,11 @@ impl AdjointCamera {
         (-ROUNDING..=1.0 + ROUNDING).contains(&number).then(|| number.clamp(0.0, 1.0))
     }
 
-    /// Computes the importance of rays that enter the lens, one result per ray. The rays are in world space, have
-    /// directions of any length but 0 toward the camera, and begin before the lens or where the camera's own rays do.
-    /// `mint` and `maxt` are ignored. The importance is 0 for NaN, for rays from behind, for rays that do not get
-    /// through the lens to the film, and at times at which the shutter is closed.
+    /// Computes the importance of rays that enter the lens, one result per ray. The rays are in world space.
+    /// Their directions point toward the camera and may have any length but 0. They begin in front of the
+    /// lens, or where the camera's own rays begin. `mint` and `maxt` are ignored. The importance is 0 for
+    /// NaN, for rays from behind the lens, for rays that do not reach the film through the lens, and at times
+    /// at which the shutter is closed.
     ///
     /// # Panics
     /// The slices differ in length.
@@ -165,8 +170,8 @@ impl AdjointCamera {
         block
     }
 
-    /// Transforms directions and importance from camera space to the world. Sets everything to 0 at distances from
-    /// `points` outside the range that the camera sees.
+    /// Transforms directions and importance from camera space to the world. Sets the whole result to 0 if the
+    /// distance to its point in `points` lies outside the range that the camera sees.
     fn to_world(
         &self,
         poses: &Poses,
@@ -189,8 +194,9 @@ impl AdjointCamera {
         turned.take(self.simd);
     }
 
-    /// Samples directions toward the lens from points of the scene, one per point. Everything is 0 for NaN and for
-    /// points that the camera does not see; only the importance is 0 if the direction does not get through to the film.
+    /// Samples directions toward the lens from points of the scene, one per point. The whole result is 0 for
+    /// NaN and for points that the camera does not see; only the importance is 0 for a direction that does
+    /// not reach the film.
     ///
     /// # Panics
     /// The slices differ in length.
@@ -214,7 +220,8 @@ impl AdjointCamera {
         }
     }
 
-    /// Computes [`aim`](Self::aim) for one block of points: three world coordinates and the pupil sample (u, v).
+    /// Computes [`aim`](Self::aim) for one block of points; the columns are three world coordinates and the
+    /// pupil sample (u, v).
     pub fn aim_block(
         &self,
         points: &PointColumns<5>,
@@ -242,8 +249,8 @@ impl AdjointCamera {
     }
 }
 
-/// Transforms points of the world to camera space and clamps their lens samples to [0, 1]; sets x to NaN if a number is
-/// not finite.
+/// Transforms world points to camera space and clamps their pupil samples to [0, 1]. If a number of a point
+/// is not finite, the point's x becomes NaN.
 struct ToCamera<'a> {
     poses: &'a Poses,
     points: [&'a [f64]; 5],
@@ -262,20 +269,20 @@ impl BlockStep for ToCamera<'_> {
         let [x, y, z, u, v] = load(cpu, &self.points, at);
         let [x, y, z] = self.poses.lanes(cpu, at).point([x, y, z]);
         let are_numbers = L::both(u.less_equal(u), v.less_equal(v));
-        // 0, or NaN if a number is infinite or NaN.
+        // 0; NaN if a number is infinite or NaN.
         let nothing = (x + y + z) * L::select(are_numbers, zero, L::splat(cpu, f64::NAN));
         let [u, v] = [u.larger(zero).smaller(one), v.larger(zero).smaller(one)];
         store([x + nothing, y, z, u, v], &mut self.inside, at);
     }
 }
 
-/// Transforms a block's rays to the world in place. `toward_lens` receives [`Aimed`] without its importance, and
-/// `traced` receives [`Importance`]; all are 0 for a blocked ray. The weight of the traced ray is the shutter's
-/// transmission.
+/// Transforms a block's rays to the world in place. `toward_lens` receives the fields of [`Aimed`] except its
+/// importance; `traced` receives [`Importance`]. All are 0 for a blocked ray. The weight of a traced ray
+/// becomes the shutter's transmission.
 struct AdjointToWorld<'a> {
     camera: &'a AdjointCamera,
     poses: &'a Poses,
-    /// Scene points that the directions start from, world space.
+    /// Scene points from which the directions start, world space.
     points: Option<[&'a [f64]; 3]>,
     traced: LensRays<'a, f64>,
     toward_lens: [&'a mut [f64]; 7],
@@ -336,7 +343,7 @@ impl AdjointToWorld<'_> {
         let importance = weight * density * L::load(cpu, &share[at..]);
         let area_density = number(front_area.recip()) * per_area;
         let solid_angle_density = density * turned.seen_area * number(front_area);
-        // A host gets single precision: what it cannot hold becomes 0.
+        // The host receives single precision, so an importance whose numbers do not fit becomes 0.
         let most = importance.larger(density).larger(area_density).larger(solid_angle_density);
         let least = importance.smaller(density).smaller(area_density).smaller(solid_angle_density);
         let fits = L::both(number(LEAST).less(least), most.less_equal(number(f64::from(f32::MAX))));

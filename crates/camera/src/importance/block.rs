@@ -1,5 +1,5 @@
-//! Blocks of scene points, directions toward the lens and importance, as structures of arrays: the data that the steps
-//! from a point to its [`Aimed`](super::Aimed) pass on, in lanes.
+//! Blocks of scene points, directions toward the lens and importance, as structures of arrays. The steps from
+//! a point to its [`Aimed`](super::Aimed) pass these blocks on and process them in lanes.
 
 use std::ops::{Deref, DerefMut};
 
@@ -8,10 +8,10 @@ use realistic_optics::lens::Ray;
 use realistic_simd::{Available, Cpu, Lanes};
 use realistic_trace::kernel::{Grouping, InVectors, RayBuffer, in_vectors};
 
-/// Points or rays per block: their columns stay in the nearest cache.
+/// Number of points or rays per block; their columns fit in the first-level cache.
 pub const BLOCK: usize = 128;
 
-/// A step that all points of a block take, one vector after the other.
+/// A step that processes all points of a block, one vector after the other.
 pub(super) trait BlockStep {
     /// Number of points.
     fn len(&self) -> usize;
@@ -26,7 +26,7 @@ pub(super) trait BlockStep {
     }
 }
 
-/// A step as work in vectors.
+/// Adapter that presents a step as work in vectors.
 struct EachVector<'s, S>(&'s mut S);
 
 impl<S: BlockStep> InVectors<f64> for EachVector<'_, S> {
@@ -83,7 +83,7 @@ impl<const N: usize> PointColumns<N> {
     }
 }
 
-/// Loads one vector from each column. This is a loop, not a closure, like all code that vectors pass through.
+/// Loads one vector from each column. Like all code that passes vectors on, this is a loop, not a closure.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn load<L: Lanes<Scalar = f64>, C: Deref<Target = [f64]>, const N: usize>(
     cpu: Cpu<L>,
@@ -113,13 +113,15 @@ pub(super) fn store<L: Lanes<Scalar = f64>, C: DerefMut<Target = [f64]>, const N
     }
 }
 
-/// Rays toward the lens and their importance, in camera space until the last step takes them to the world.
+/// Rays toward the lens and their importance; in camera space until the last step transforms them to the
+/// world.
 pub struct ArrivingRays {
-    /// The point where each ray meets the front of the lens, its unit direction, and the density of the direction per
-    /// solid angle at the scene point; 0 if there is no direction.
+    /// The point where each ray meets the front of the lens, the ray's unit direction, and the density of
+    /// that direction per solid angle at the scene point; the density is 0 if there is no direction.
     pub toward_lens: PointColumns<7>,
-    /// The traced rays, which their importance replaces: raster coordinates and weight replace the origin, with weight 0 for
-    /// a ray without importance; the density replaces the direction's x.
+    /// The traced rays, which are overwritten by their importance: the raster coordinates and the weight
+    /// replace the origin, and the density replaces the direction's x. The weight is 0 for a ray without
+    /// importance.
     pub traced: RayBuffer<f64>,
 }
 
@@ -129,7 +131,7 @@ impl ArrivingRays {
         Self { toward_lens: PointColumns::new(count), traced: RayBuffer::new(count) }
     }
 
-    /// Returns the columns of [`Importance`] in its order, for rays in the world.
+    /// Returns the columns of [`Importance`] in the order of its fields, for rays in the world.
     pub fn importance_columns(&self) -> [&[f64]; 6] {
         let [x, y, importance, density, area_density, solid_angle_density, _] = self.traced.columns();
         [x, y, importance, density, area_density, solid_angle_density]
@@ -142,15 +144,15 @@ impl ArrivingRays {
         Importance { raster: [x, y], importance, density, area_density, solid_angle_density }
     }
 
-    /// Sets a direction, by a ray from the front on with a unit direction and the density per solid angle at the scene
-    /// point, and the importance of the ray.
+    /// Sets direction `i` and the importance of its ray. `ray` begins at the front of the lens and has a unit
+    /// direction; `density` is per solid angle at the scene point.
     pub fn put(&mut self, i: usize, ray: &Ray, density: f64, we: Option<FilmWe>) {
         let ([x, y, z], [dx, dy, dz]) = (ray.origin, ray.direction);
         self.toward_lens.put(i, [x, y, z, dx, dy, dz, density]);
         self.put_we(i, we);
     }
 
-    /// Sets the importance of a ray, if it has any.
+    /// Sets the importance of a ray; for `None`, sets it to 0.
     pub(crate) fn put_we(&mut self, i: usize, we: Option<FilmWe>) {
         let FilmWe { raster: [x, y], weight, density } = we.unwrap_or_default();
         self.traced.put(i, [x, y, weight], [density, 0.0, 0.0]);

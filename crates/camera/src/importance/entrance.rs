@@ -1,13 +1,14 @@
-//! The pupil of a lens as points of the scene see it: takes points; returns directions toward the lens and their
-//! densities.
+//! The pupil of a lens as seen from points of the scene: the table from which directions toward the lens and
+//! their densities are sampled.
 //!
-//! Seen from a point E of the axis, a point P of the scene lies at the angle θ to the axis. Its rays are identified by
-//! points of the plane through E perpendicular to PE ([`SeenPoint`]). The rays that get through form a figure that is
-//! symmetric about the plane of P and the axis, as a film point's pupil is in slopes. So the same map takes the unit
-//! disk to it ([`crate::sampling::pupil_map`]), with
+//! Seen from a point E on the axis, a point P of the scene lies at the angle θ to the axis. The rays from P
+//! are identified by the points where they cross the plane through E perpendicular to PE ([`SeenPoint`]). The
+//! rays that pass the lens form a figure in this plane. It is symmetric about the plane that contains P and
+//! the axis, just as the pupil of a film point is symmetric in slopes. So the same kind of map takes the unit
+//! disk to this figure ([`crate::sampling::pupil_map`]), with
 //!
 //! ```text
-//! h = tan(θ/2)     instead of the film radius, without an arc tangent, up to where no light gets through;
+//! h = tan(θ/2)     instead of the film radius: needs no arc tangent; up to where no light gets through;
 //! n = D(θ)/|PE|    as the second parameter: 0 at infinity, and 1 on the glass, which is D(θ) away from E.
 //! ```
 //!
@@ -33,20 +34,21 @@ use realistic_optics::{
 use realistic_simd::{Available, Cpu, Lanes, OneLane, Portable};
 use realistic_trace::kernel::{ClearanceTracer, LensRays};
 
-/// n of the last column: close to the glass.
+/// n of the last column, just below 1, the value on the glass.
 const NEAREST: f64 = 0.998;
-/// Largest θ/2 at which light is searched for, radians: fields of up to 275°.
+/// Largest θ/2, radians, at which light is searched for; this covers fields of view up to 275°.
 const WIDEST: f64 = 1.2;
-/// Heights on the front surface, from vertex to edge, at which its distance is tabulated.
+/// Number of heights on the front surface, from vertex to edge, at which the distance from E is tabulated.
 const PROFILE: u32 = 64;
-/// Heights on the front surface, and azimuths over half a turn, whose bounding disk is taken as the cover.
+/// Number of heights on the front surface, and of azimuths over half a turn, at the points whose bounding
+/// disk covers the surface.
 const MESH: u32 = 16;
 
-/// A lens as seen by points of the scene, by h and nearness n.
+/// A lens as seen from points of the scene, with the parameters h and nearness n.
 struct SceneSide<'a> {
     clearances: ClearanceTracer,
     front: &'a Front,
-    /// Heights on the front surface, and z at each.
+    /// Heights on the front surface, and z at each height.
     profile: Vec<[f64; 2]>,
     center: ProjectionCenter,
     /// The radius of the paraxial entrance pupil, mm.
@@ -57,7 +59,8 @@ struct SceneSide<'a> {
 }
 
 impl<'a> SceneSide<'a> {
-    /// Prepares a path from scene to film without blades, with the film at z = `film` and E at z = `reference`.
+    /// Prepares the path from scene to film, without blades, for the film at z = `film` and E at
+    /// z = `reference`.
     fn new(path: &Path, front: &'a Front, film: f64, pupil: &EntrancePupil, reference: f64) -> Self {
         let [low, high] = front.surface.sagitta_range();
         let fine = intervals(path);
@@ -68,12 +71,14 @@ impl<'a> SceneSide<'a> {
             center: ProjectionCenter::new(reference, front),
             pupil_radius: pupil.diameter() / 2.0,
             lead: 2.0 * (front.surface.semi_diameter + reference.abs() + high - low),
-            // Coarser than over the film: the nodes of the two parameters multiply.
+            // Coarser than the map over the film, because the total number of nodes is the product of both
+            // parameters' numbers.
             intervals: [fine / 4, (3 * fine / 16).max(1)],
         }
     }
 
-    /// Returns n at a column or halfway between two. Columns lie at squares, denser far away; n is linear between them.
+    /// Returns n at a column or halfway between two columns. Column k lies at n proportional to k², so
+    /// columns are denser far from the lens; n is linear between columns.
     fn nearness(&self, column: f64) -> f64 {
         let (before, columns) = (column.floor(), self.intervals[1] as f64);
         let square = before * before + (column - before) * (2.0 * before + 1.0);
@@ -103,7 +108,7 @@ impl Family for SceneSide<'_> {
     }
 }
 
-/// The rays of one point, identified by points of its plane.
+/// The rays of one scene point, identified by points of its plane through E.
 struct ScenePencil<'a> {
     side: &'a SceneSide<'a>,
     seen_point: OneSeenPoint,
@@ -122,7 +127,7 @@ impl Pencil for ScenePencil<'_> {
         found
     }
 
-    /// Returns a disk that holds the front surface.
+    /// Returns a disk that contains the front surface.
     fn cover(&self) -> SlopeDisk {
         let most = 4.0 * self.side.lead;
         let ring = |&[height, z]: &[f64; 2]| -> Vec<[f64; 2]> {
@@ -145,11 +150,11 @@ impl Pencil for ScenePencil<'_> {
     }
 }
 
-/// The projection centre E, and the distance from it to the front.
+/// The projection centre E and the distances from it to the points of the front surface.
 #[derive(Clone, Debug)]
 struct ProjectionCenter {
     reference: f64,
-    /// D at even steps of h from vertex to edge, mm, and the step to the next.
+    /// D at equal steps of h from vertex to edge, mm, each with the difference to the next value.
     distances: Vec<[f32; 2]>,
     /// Number of these steps per unit of h.
     per_height: f64,
@@ -171,7 +176,7 @@ impl ProjectionCenter {
         Self { reference, distances: (0..=PROFILE).map(pair).collect(), per_height }
     }
 
-    /// Returns D; beyond the edge, its value at the edge.
+    /// Returns D; beyond the edge of the front surface, the value at the edge.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn distance<L: Lanes<Scalar = f64>>(&self, cpu: Cpu<L>, half_tangent: L) -> L {
         let number = |number: f64| L::splat(cpu, number);
@@ -183,7 +188,7 @@ impl ProjectionCenter {
     }
 }
 
-/// The pupil of a lens as points of the scene see it. Immutable once built.
+/// The pupil of a lens as seen from points of the scene. Immutable once built.
 #[derive(Clone, Debug)]
 pub(super) struct SeenPupil {
     center: ProjectionCenter,
@@ -202,8 +207,9 @@ impl SeenPupil {
         Self { center, lead, columns, map, simd: Available::best() }
     }
 
-    /// Samples directions toward the lens from points before it (lens space, mm), by two numbers in [0, 1] each; a
-    /// point that is NaN gets none. The rays to trace begin before the lens along these directions.
+    /// Samples directions toward the lens from points in front of it (lens space, mm), by two numbers in [0,
+    /// 1] per point. A point that is NaN gets no direction. The rays to trace begin in front of the lens
+    /// along these directions.
     pub fn aim(&self, front: &Front, points: [&mut [f64]; 5], rays: &mut ArrivingRays) {
         let [x, y, z, u, v] = points;
         for i in 0..x.len() {
@@ -225,9 +231,9 @@ impl SeenPupil {
         }
     }
 
-    /// Samples points of the planes of scene points by two numbers in [0, 1] each. Returns them and the areas that they
-    /// represent, over π; the area is NaN if there is nothing to sample. For fixed numbers the ray is continuous over
-    /// the scene, also across the axis.
+    /// Samples points in the planes of scene points by two numbers in [0, 1] each. Returns the sampled points
+    /// and, for each, the area that it represents divided by π; the area is NaN if there is nothing to
+    /// sample. For fixed numbers the ray varies continuously with the scene point, also across the axis.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn choose<L: Lanes<Scalar = f64>>(
         &self,
@@ -238,7 +244,7 @@ impl SeenPupil {
     ) -> ([L; 2], L) {
         let number = |number: f64| L::splat(cpu, number);
         let height = seen_point.half_tangent(cpu);
-        // The column before, plus the interpolation parameter toward the next.
+        // The index of the preceding column, plus the interpolation parameter toward the next column.
         let columns = self.columns as f64;
         let near =
             seen_point.vergence * self.center.distance(cpu, height) * number(columns * columns / NEAREST);
@@ -262,7 +268,8 @@ struct Aim<'a> {
 }
 
 impl Aim<'_> {
-    /// Moves the origins of rays to an aspheric front. Removes rays that meet it behind their scene point.
+    /// Moves the origins of rays to an aspheric front surface. Removes rays that meet this surface behind
+    /// their scene point.
     fn begin_on_front(&mut self) {
         let [x, y, z, dx, dy, dz, density] = &mut self.toward_lens;
         let [px, py, pz, ..] = self.points;
@@ -334,7 +341,7 @@ mod tests {
             let side = SceneSide::new(&Path::scene_to_film(&lens), &front, film, &pupil, reference);
             let grid = Grid::new(&side);
             assert!(grid.dark_beyond, "{name}");
-            // The last cells before the end of the light may hold hardly any.
+            // The last cells before the limit of the light may hold hardly any light.
             let last = grid.intervals[0] - 2;
             for gap in &grid.gaps {
                 assert!(gap.reason == MapFailure::Gaps || gap.cell[0] >= last, "{name} {gap:?}");

@@ -1,18 +1,20 @@
-//! The film's side of importance: takes film points and slopes; returns raster coordinates, weight and density.
+//! The film's part of importance: computes raster coordinates, weight and density from film points and
+//! slopes.
 
 use super::block::{load, store};
 use crate::{pipeline::body::CameraBody, plan::FilmSide, sampling::film_rays::FilmRays};
 use realistic_simd::{Available, Cpu, Lanes};
 use realistic_trace::kernel::{Grouping, InVectors, LensRays, RayBuffer, in_vectors};
 
-/// A film and its sampler, for rays that arrive.
+/// A film and its sampler, for rays that arrive from the scene.
 #[derive(Clone, Debug)]
 pub struct ImportanceFilm {
     side: FilmSide,
     weight: Option<f64>,
     /// Width and height, mm.
     size: [f64; 2],
-    /// x and y of the film's centre, mm; 0 for film that is tilted or curved, whose points are its own.
+    /// x and y of the film's centre, mm; 0 for film that is tilted or curved, because its points have their
+    /// own coordinates.
     shift: [f64; 2],
     simd: Available,
 }
@@ -27,20 +29,21 @@ impl ImportanceFilm {
         Self { side, weight, size, shift, simd }
     }
 
-    /// z of the film, mm.
+    /// Returns z of the film, mm.
     pub fn z(&self) -> f64 {
         self.side.z
     }
 
-    /// Computes the importance of rays behind the lens in place, in the layout of [`super::block::ArrivingRays`], from
-    /// the density per area and slopes² at the film. The weight is 0 for blocked rays, rays off the film and rays
-    /// outside the sampled pupil. The rays' weights are the shares of their light that the lens transmits.
+    /// Computes in place the importance of rays behind the lens, in the layout of
+    /// [`super::block::ArrivingRays`], from the density per area and slopes² at the film. The weight is 0 for
+    /// blocked rays, for rays that miss the film and for rays outside the sampled pupil. On entry a ray's
+    /// weight is the share of its light that the lens transmits.
     pub fn we(&self, rays: &mut RayBuffer<f64>) {
         in_vectors(self.simd, Grouping::Wide, &mut Arrivals { film: self, rays: rays.rays() });
     }
 }
 
-/// Rays behind the lens, which importance replaces.
+/// Rays behind the lens, which are overwritten by their importance.
 struct Arrivals<'a> {
     film: &'a ImportanceFilm,
     rays: LensRays<'a, f64>,
@@ -64,7 +67,7 @@ impl InVectors<f64> for Arrivals<'_> {
 }
 
 impl Arrivals<'_> {
-    /// Processes whole groups of vectors, so that their look-ups overlap.
+    /// Processes whole groups of vectors, so that the table look-ups of different vectors overlap.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn vectors<L: Lanes<Scalar = f64>, const U: usize>(&mut self, cpu: Cpu<L>, first: usize) {
         let mut arrived = [self.arrived(cpu, first); U];

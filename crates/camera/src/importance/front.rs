@@ -1,4 +1,4 @@
-//! The front surface of a lens, as rays from the scene meet it.
+//! The front surface of a lens and its intersection with rays from the scene.
 
 use realistic_optics::{
     lens::{Lens, Ray, Surface, refraction::Refraction},
@@ -6,13 +6,13 @@ use realistic_optics::{
 };
 use realistic_simd::{Cpu, Lanes, OneLane, Portable};
 
-/// The front surface, and the depth of the lens behind it.
+/// The front surface of a lens and the z of the rear vertex.
 #[derive(Clone, Debug)]
 pub(super) struct Front {
     pub surface: Surface,
-    /// The lens for rays from the scene; only its first surface is intersected.
+    /// The path through the lens for rays from the scene; rays are intersected only with its first surface.
     path: Path,
-    /// z of the foremost point of the surface.
+    /// z of the foremost point of the front surface.
     foremost: f64,
     /// z of the rear vertex.
     pub rear: f64,
@@ -26,8 +26,8 @@ impl Front {
         Self { surface, path, foremost: surface.sagitta_range()[1], rear: lens.rear().vertex }
     }
 
-    /// Whether a point lies before the surface or anywhere beside it: a fisheye sees points behind the edge of its
-    /// front surface.
+    /// Whether a point lies in front of the surface or beside it at any z; the latter because a fisheye sees
+    /// points behind the edge of its front surface.
     pub fn is_before(&self, [x, y, z]: [f64; 3]) -> bool {
         let (front, square) = (&self.surface, x * x + y * y);
         z > self.foremost
@@ -43,8 +43,8 @@ impl Front {
         OneLane::<f64>::all(self.are_met(OneLane::cpu(), origin, direction))
     }
 
-    /// Tests [`Front::meets`] in lanes. For an asphere this rejects only rays that begin behind the lens;
-    /// [`Front::point`] finds the others.
+    /// Performs the test of [`Front::meets`] in lanes. For an asphere this rejects only rays that begin
+    /// behind the lens; the rays that miss the surface are found by [`Front::point`].
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn are_met<L: Lanes<Scalar = f64>>(&self, cpu: Cpu<L>, origin: [L; 3], direction: [L; 3]) -> L::Mask {
         let number = |number: f64| L::splat(cpu, number);
@@ -63,13 +63,14 @@ impl Front {
         let along = at[0] * dx + at[1] * dy + at[2] * dz;
         let inward = number(self.surface.curvature).mul_add(along, dz);
         let ahead = L::both(zero.less(length), length.less(number(f64::INFINITY)));
-        // Rays from behind the lens travel toward +z, to a surface that bulges.
+        // Rays that begin behind the lens travel toward +z, to a front surface that bulges.
         let comes = L::select(is_before_rear, one, dz);
         let is_met = L::both(L::both(zero.less(comes), inward.less(zero)), ahead);
         zero.less(L::select(is_far, one, L::select(is_met, one, zero)))
     }
 
-    /// Returns the point where a ray from the scene meets an aspheric surface; its origin if it misses the surface.
+    /// Returns the point where a ray from the scene meets an aspheric surface; if the ray misses the surface,
+    /// the ray's origin.
     pub fn point(&self, ray: &Ray) -> [f64; 3] {
         self.path.first_point(*ray).unwrap_or(ray.origin)
     }
@@ -77,14 +78,14 @@ impl Front {
     /// Returns the distance along rays with unit directions to a sphere or plane.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn length<L: Lanes<Scalar = f64>>(&self, cpu: Cpu<L>, [x, y, z]: [L; 3], [dx, dy, dz]: [L; 3]) -> L {
-        // Root of c (x² + y² + z²) + 2 z = 0 on the vertex's side.
+        // The root of c (x² + y² + z²) + 2 z = 0 that lies on the vertex's side of the sphere.
         let c = L::splat(cpu, self.surface.curvature);
         let half = c * (x * dx + y * dy + z * dz) + dz;
         let constant = c * (x * x + y * y + z * z) + z + z;
         constant / ((half * half - c * constant).sqrt() - half)
     }
 
-    /// Returns `parts` + 1 heights from 0 to the edge, and z at each.
+    /// Returns `parts` + 1 heights from 0 to the edge of the surface, and z at each height.
     pub fn profile(&self, parts: u32) -> Vec<[f64; 2]> {
         let height = |k: u32| self.surface.semi_diameter * f64::from(k) / f64::from(parts);
         (0..=parts).map(|k| [height(k), self.surface.sagitta(height(k))]).collect()

@@ -1,4 +1,5 @@
-//! The importance of a lens: rays from the scene traced to the film, and directions toward the lens from scene points.
+//! The importance of a lens: traces rays from the scene to the film and samples directions toward the lens
+//! from scene points.
 
 use super::{block::ArrivingRays, entrance::SeenPupil, film::ImportanceFilm, front::Front};
 use crate::pipeline::{body::CameraBody, on_demand::OnDemand};
@@ -14,13 +15,15 @@ use realistic_trace::kernel::{
     Arrays, Grouping, Kernel, LensRays, LensSteps, Optics, Own, RayBuffer, in_vectors,
 };
 
-/// Least depth of the projection centre behind the front vertex, over the front surface's clear semi-diameter.
+/// Smallest depth of the projection centre behind the front vertex, as a fraction of the front surface's
+/// clear semi-diameter.
 const BEHIND: f64 = 0.05;
-/// Distance by which the origin of a ray is moved back, over the front surface's clear semi-diameter: a camera's own
-/// rays begin on the surface, up to rounding.
+/// Distance by which the origin of a ray is moved back, as a fraction of the front surface's clear
+/// semi-diameter. The move is needed because a camera's own rays begin on the surface, up to rounding.
 const BACK: f64 = 1e-4;
 
-/// A kernel from scene to film whose rays carry their light, if weights include the lens's transmission.
+/// A kernel from scene to film; its rays carry their transmitted light if weights include the lens's
+/// transmission.
 #[derive(Clone, Debug)]
 enum LightKernel {
     Clear(Kernel<f64>),
@@ -38,7 +41,8 @@ impl LightKernel {
         }
     }
 
-    /// Traces rays in place. Their weights become the shares of light that the lens transmits, 0 for blocked rays.
+    /// Traces rays in place. The weight of each becomes the share of light that the lens transmits, 0 for a
+    /// blocked ray.
     fn trace(&self, rays: &mut LensRays<'_, f64>) {
         match self {
             Self::Clear(kernel) => light_in_place(kernel.steps(), kernel.available(), rays),
@@ -57,19 +61,20 @@ fn light_in_place(optics: &impl Optics<f64>, simd: Available, rays: &mut LensRay
 pub struct AdjointLens {
     front: Front,
     film: ImportanceFilm,
-    /// Traces from scene to film, with the blades.
+    /// The kernel from scene to film, with the blades.
     kernel: LightKernel,
     /// The path from scene to film without the blades.
     whole: Path,
     /// The entrance pupil.
     pupil: EntrancePupil,
-    /// z of the entrance pupil, or of the point in the lens nearest to it: the projection centre.
+    /// z of the projection centre, which is the entrance pupil or, if that lies outside the lens, the point
+    /// in the lens nearest to it.
     reference: f64,
     entrance: OnDemand<SeenPupil>,
 }
 
 impl AdjointLens {
-    /// Returns the adjoint of a lens with the blades in its stop, in front of a camera body.
+    /// Returns the adjoint of a lens, with the blades in its stop, in front of a camera body.
     pub fn new(lens: &Lens, blades: Option<Blades>, body: &CameraBody) -> Self {
         let pupil = AxialBeam::of(lens).entrance;
         let film = ImportanceFilm::new(body);
@@ -90,18 +95,18 @@ impl AdjointLens {
         }
     }
 
-    /// Whether the pupil that scene points see has been tabulated.
+    /// Whether the pupil as seen from scene points has been tabulated.
     pub fn is_tabulated(&self) -> bool {
         self.entrance.get().is_some()
     }
 
-    /// Area of the front clear aperture, mm².
+    /// Returns the area of the front clear aperture, mm².
     pub fn front_area(&self) -> f64 {
         std::f64::consts::PI * self.front.surface.semi_diameter.powi(2)
     }
 
-    /// Traces rays with directions of any length and replaces them by their importance; it is 0 for NaN and for
-    /// direction 0. `moved` holds the rays and the rounding error of each origin.
+    /// Traces rays with directions of any length and replaces each by its importance, which is 0 for NaN and
+    /// for a zero direction. `moved` holds each ray and the rounding error of its origin.
     pub fn arrive(&self, moved: &[(Ray, f64)], rays: &mut RayBuffer<f64>) {
         let back = BACK * self.front.surface.semi_diameter;
         for (i, (Ray { origin, direction }, rounding)) in moved.iter().enumerate() {
@@ -119,22 +124,22 @@ impl AdjointLens {
         self.land(rays);
     }
 
-    /// Computes the importance of rays before the lens.
+    /// Computes the importance of rays that begin in front of the lens.
     fn land(&self, rays: &mut RayBuffer<f64>) {
         self.kernel.trace(&mut rays.rays());
         self.film.we(rays);
     }
 
-    /// Samples directions toward the lens from points of camera space, by two numbers in [0, 1] each, and computes
-    /// their importance. A point that is NaN has none.
+    /// Samples directions toward the lens from points of camera space, by two numbers in [0, 1] each, and
+    /// computes the importance of their rays. A point that is NaN has no direction.
     pub(super) fn aim(&self, points: [&mut [f64]; 5], rays: &mut ArrivingRays) {
         let entrance = self.entrance.get_or_make(|| self.tabulate());
         entrance.aim(&self.front, points, rays);
         self.land(&mut rays.traced);
     }
 
-    /// Tabulates the pupil that scene points see. This is the pupil of the round stop: rays that the blades cover are
-    /// blocked.
+    /// Tabulates the pupil as seen from scene points. It is the pupil of the round stop; rays that hit the
+    /// blades are blocked when they are traced.
     fn tabulate(&self) -> SeenPupil {
         SeenPupil::build(&self.whole, &self.front, self.film.z(), &self.pupil, self.reference)
     }

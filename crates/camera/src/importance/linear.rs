@@ -1,9 +1,10 @@
-//! Importance of cameras whose rays are linear in film point and lens point: the thick and the thin lens, and the
-//! stock cameras with a lens.
+//! Importance of the cameras whose rays depend linearly on film point and lens point: the thick lens, the
+//! thin lens, and the stock cameras with a lens.
 //!
-//! For a ray that crosses the plane z = 0 at x with the slopes s, film and lens coordinates are both sums h x + k s,
-//! the same on both axes. A camera samples film and lens evenly, so the density of its rays per area and slopes² at z =
-//! 0 is the square of the determinant over both areas.
+//! For a ray that crosses the plane z = 0 at height x with slope s, its film coordinate and its lens
+//! coordinate both have the form h x + k s, with the same coefficients on both axes. A camera samples film
+//! and lens uniformly, so the density of its rays per area and slopes² at z = 0 is the squared determinant of
+//! this map divided by the product of the two areas.
 
 use std::f64::consts::PI;
 
@@ -23,7 +24,7 @@ impl PlaneMap {
         self.from_height * height + self.from_slope * slope
     }
 
-    /// Returns the coordinate's dependence on the slope, for rays through a point at depth `z`.
+    /// Returns the coefficient of the slope in the coordinate, for rays through a fixed point at depth `z`.
     fn about(self, z: f64) -> f64 {
         self.from_slope - self.from_height * z
     }
@@ -34,29 +35,30 @@ impl PlaneMap {
 pub struct Linear {
     pub film: PlaneMap,
     pub lens: PlaneMap,
-    /// Radius of the lens, in its coordinate.
+    /// Radius of the lens, in the lens coordinate.
     pub lens_radius: f64,
-    /// Slope of a ray at the film, and the factor from its cos⁴ to the weight; `None` for weight 1.
+    /// The slope of a ray at the film, and the factor from the cos⁴ of that slope's angle to the weight;
+    /// `None` for weight 1.
     pub weight: Option<(PlaneMap, f64)>,
     /// Factor and constant from film coordinates to raster coordinates, per axis.
     pub raster: [[f64; 2]; 2],
-    /// Pixels across and down.
+    /// Width and height of the image, pixels.
     pub size: [f64; 2],
-    /// Least and largest depth at which a point is seen.
+    /// Smallest and largest depth at which a point is seen.
     pub depths: [f64; 2],
 }
 
-/// Relative distance by which rounding to single precision may put rays outside the edge of the lens.
+/// Relative distance by which rounding to single precision may move rays beyond the edge of the lens.
 const ROUNDING: f64 = 2e-6;
 
 impl Linear {
-    /// Returns the area of the lens in its coordinates.
+    /// Returns the area of the lens in lens coordinates.
     fn lens_area(&self) -> f64 {
         PI * self.lens_radius * self.lens_radius
     }
 
-    /// Returns the middle and half the extent, along each axis, of the part of the film that makes the picture, in film
-    /// coordinates.
+    /// Returns the centre and half the extent, along each axis, of the part of the film that forms the
+    /// picture, in film coordinates.
     fn window(&self) -> [[f64; 2]; 2] {
         let film = |axis: usize, raster: f64| (raster - self.raster[axis][1]) / self.raster[axis][0];
         [0, 1].map(|axis| {
@@ -65,7 +67,8 @@ impl Linear {
         })
     }
 
-    /// Returns the importance of a ray that begins at z = 0 or before it; its direction may have any length.
+    /// Returns the importance of a ray that begins at z = 0 or in front of it; the ray's direction may have
+    /// any length.
     pub fn arrive(&self, Ray { origin: [x, y, z], direction: [dx, dy, dz] }: &Ray) -> Option<FilmWe> {
         if !(*dz < 0.0 && *z >= 0.0) {
             return None;
@@ -90,14 +93,15 @@ impl Linear {
         (density.is_finite() && weight > 0.0).then_some(FilmWe { raster, weight, density })
     }
 
-    /// Samples a direction toward the lens from a point, by two numbers in [0, 1]. Returns a ray from the front on with
-    /// a unit direction, and the direction's density per solid angle at the point.
+    /// Samples a direction toward the lens from a point, by two numbers in [0, 1]. Returns a ray that begins
+    /// at the front of the lens and has a unit direction, and the density of this direction per solid angle
+    /// at the point.
     pub fn aim(&self, [x, y, z]: [f64; 3], numbers: [f64; 2]) -> Option<(Ray, f64)> {
         let [from, to] = self.depths;
         if !(z > 0.0 && z >= from && z <= to) {
             return None;
         }
-        // As slopes, the lens is a disk and the film a rectangle.
+        // In slopes from the point, the lens is a disk and the film a rectangle.
         let (lens, film, point) = (self.lens.about(z), self.film.about(z), [x, y]);
         let radius = self.lens_radius / lens.abs();
         let center = point.map(|at| -self.lens.from_height * at / lens);
@@ -106,7 +110,8 @@ impl Linear {
             let [middle, half] = window[axis];
             let middle = (middle - self.film.from_height * point[axis]) / film;
             let half = (half / film).abs();
-            // All slopes lead to one film point at the depth in focus, so the film does not limit them.
+            // At the depth in focus all slopes lead to the same film point, so the film does not limit the
+            // slopes.
             let is_known = middle.is_finite() && half.is_finite();
             let [low, high] = if is_known { [middle - half, middle + half] } else { [f64::MIN, f64::MAX] };
             [low.max(center[axis] - radius), high.min(center[axis] + radius)]
@@ -115,8 +120,8 @@ impl Linear {
         if !sides.iter().all(|side| *side > 0.0) {
             return None;
         }
-        // Samples the smaller of the disk and the rectangle's part of the disk's bounding square; the rest of the
-        // rectangle is blocked.
+        // Samples the smaller of two areas: the disk, and the part of the rectangle within the disk's
+        // bounding square. If the rectangle is sampled, slopes outside the disk are blocked.
         let (disk, rectangle) = (PI * radius * radius, sides[0] * sides[1]);
         let slopes = if disk <= rectangle {
             let [u, v] = DiskMapping::Concentric.map(numbers[0], numbers[1])?;

@@ -4,18 +4,20 @@
 //! A ray that enters the lens carries importance (E. Veach, *Robust Monte Carlo Methods for Light Transport
 //! Simulation*, 1997, §4.5-4.6; `We` of M. Pharr, W. Jakob and G. Humphreys, *Physically Based Rendering*, 3rd ed.
 //! 2016, §16.1): We multiplies L cosθ dA dω, where dA is area on the plane z = 0 of camera space in square world units.
-//! A camera's rays from evenly spread samples have a density in the same measure, and **the weight of a ray is We
-//! divided by that density**. As cosθ dA dω is the same before and behind a lens, the density is 1/(A_film π J cos⁴θ'),
-//! where π J is the slope area per sample (A/Z² of a disk), θ' the ray's angle to the axis at the film, and A_film the
-//! film's area in square world units. We follows from the weight: 1/A_film for `radiometric` weights, times the ray's
-//! transmission if the camera has one. An ideal lens conserves slopes instead of cosθ dA dω; the density of an ideal
-//! lens and of a stock camera is likewise that of its own rays.
+//! A camera's rays from uniformly distributed samples have a density in the same measure, and **the weight of
+//! a ray is We divided by that density**. As cosθ dA dω is the same on both sides of a lens, the density is
+//! 1/(A_film π J cos⁴θ'), where π J is the slope area per sample (A/Z² for a disk), θ' the ray's angle to the
+//! axis at the film, and A_film the film's area in square world units. We follows from the weight: it is
+//! 1/A_film for `radiometric` weights, times the ray's transmission if the camera includes transmission. An
+//! ideal lens conserves slopes instead of cosθ dA dω; for an ideal lens and for a stock camera, the density
+//! is that of the rays which that camera itself generates.
 //!
-//! `pose` takes rays from the world into camera space. `lens` traces them through a lens, `linear` through ideal lenses
-//! and stock cameras; both also sample directions toward the lens from points of the scene. For a lens these points are
-//! described as seen from its projection centre (`seen_point`), and `entrance` tabulates and samples the pupil that
-//! they see. `film` evaluates We and the density where a ray meets the film. `adjoint` joins these steps, which pass on
-//! a `block` of rays.
+//! `pose` transforms rays from the world into camera space. `lens` traces them through a lens, `linear`
+//! through ideal lenses and stock cameras; both also sample directions toward the lens from points of the
+//! scene. For a lens, these points are described as seen from the lens's projection centre (`seen_point`),
+//! and `entrance` tabulates and samples the pupil as seen from these points. `film` evaluates We and the
+//! density where a ray meets the film. `adjoint` combines these steps, which process one `block` of rays at a
+//! time.
 
 mod adjoint;
 pub mod block;
@@ -39,15 +41,16 @@ use thiserror::Error;
 pub struct Importance {
     /// Raster coordinates, pixels, of the point where the ray reaches the film.
     pub raster: [f64; 2],
-    /// We: the factor of L cosθ dA dω, with dA in square world units on the plane z = 0 of camera space; includes the
-    /// shutter's transmission at the ray's time.
+    /// We, the factor that multiplies L cosθ dA dω, with dA in square world units on the plane z = 0 of
+    /// camera space; includes the shutter's transmission at the ray's time.
     pub importance: f64,
-    /// Density of the camera's own rays there, per cosθ dA dω: We is this times the weight.
+    /// Density of the camera's own rays at this ray, per cosθ dA dω: We is this density times the weight.
     pub density: f64,
-    /// Density per area on the plane z = 0, in square world units: 1 over the area of the front clear aperture, or of
-    /// the lens of a camera without a prescription.
+    /// Density per area on the plane z = 0, per square world unit: the reciprocal of the area of the front
+    /// clear aperture or, for a camera without a prescription, of the lens.
     pub area_density: f64,
-    /// Density per solid angle that goes with `area_density`: the product of the two is `density` times cosθ.
+    /// Density per solid angle that corresponds to `area_density`: the product of the two is `density` times
+    /// cosθ.
     pub solid_angle_density: f64,
 }
 
@@ -65,12 +68,12 @@ pub struct ScenePoint {
 /// A direction from a point of the scene toward the lens.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Aimed {
-    /// The point where the direction meets the front of the lens, world space: an occluder between the scene point and
-    /// it hides the light.
+    /// The point where the direction meets the front of the lens, world space. An object between the scene
+    /// point and this point blocks the light.
     pub origin: [f64; 3],
-    /// Unit vector from the scene point toward the origin.
+    /// Unit vector from the scene point toward `origin`.
     pub direction: [f64; 3],
-    /// Density of the direction, per solid angle at the scene point; 0 if no direction gets through.
+    /// Density of the direction, per solid angle at the scene point; 0 if no direction passes the lens.
     pub density: f64,
     /// Importance of the ray.
     pub importance: Importance,
@@ -81,7 +84,7 @@ pub struct Aimed {
 pub struct FilmWe {
     /// Raster coordinates, pixels.
     pub raster: [f64; 2],
-    /// Weight that the camera gives the same ray from the film.
+    /// The weight that the camera gives the same ray when it traces it from the film.
     pub weight: f64,
     /// Density of the camera's rays from the film, per cosθ dA dω; dA in square units of camera space.
     pub density: f64,
@@ -90,7 +93,7 @@ pub struct FilmWe {
 /// The reason why a camera has no importance.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum ImportanceError {
-    /// The rays begin in one point or are parallel.
+    /// The camera's rays all begin at one point or are parallel.
     #[error(
         "model \"{model}\" {}: its importance We is infinite or 0, and not defined; {advice}",
         if *parallel { "without a lens has parallel rays" } else { "without a lens has all its rays through one point" }
@@ -103,7 +106,7 @@ pub enum ImportanceError {
         /// Advice to the user.
         advice: &'static str,
     },
-    /// The rays are so nearly parallel that single precision does not hold their density.
+    /// The rays are so nearly parallel that their density does not fit in single precision.
     #[error(
         "model \"{model}\" is focused so far away that its rays are parallel in single precision, and has no importance; give \
          \"focal_distance\" up to {farthest}"

@@ -1,4 +1,5 @@
-//! Transforms from world space to camera space at one time, and the factors by which they scale areas and solid angles.
+//! Transforms from world space to camera space at one time, and the factors by which these transforms scale
+//! areas and solid angles.
 
 use glam::{DMat3, DVec3};
 
@@ -12,9 +13,9 @@ pub(super) struct Pose {
     to_world: DMat3,
     to_camera: DMat3,
     origin: DVec3,
-    /// The determinant of `to_world`, without its sign.
+    /// The absolute value of the determinant of `to_world`.
     volume: f64,
-    /// Factor by which areas on the plane z = 0 grow.
+    /// Factor by which areas on the plane z = 0 grow from camera space to the world.
     area: f64,
 }
 
@@ -42,12 +43,12 @@ impl Pose {
         1e-6 * size * largest_entry(self.to_camera)
     }
 
-    /// Transforms a direction of the world to camera space; its length changes.
+    /// Transforms a direction of the world to camera space; the length of the direction may change.
     pub fn direction(&self, world: [f64; 3]) -> [f64; 3] {
         (self.to_camera * DVec3::from(world)).into()
     }
 
-    /// Returns the numbers that lanes compute with.
+    /// Returns the numbers of the pose that lanes compute with.
     fn numbers(&self) -> [f64; NUMBERS] {
         let mut numbers = [0.0; NUMBERS];
         numbers[TO_WORLD..TO_CAMERA].copy_from_slice(&self.to_world.to_cols_array());
@@ -58,7 +59,7 @@ impl Pose {
     }
 }
 
-/// Index of each of the numbers that lanes compute with, matrices by columns, and their count.
+/// Indices of the numbers that lanes compute with (matrices by columns), and the count of these numbers.
 const TO_WORLD: usize = 0;
 const TO_CAMERA: usize = 9;
 const ORIGIN: usize = 18;
@@ -67,21 +68,21 @@ const PER_VOLUME: usize = 22;
 const PER_AREA: usize = 23;
 const NUMBERS: usize = 24;
 
-/// The camera's pose for each of some rays or points.
+/// The camera's poses for a list of rays or points.
 pub(super) struct Poses {
     poses: Vec<Pose>,
     columns: PointColumns<NUMBERS>,
-    /// Whether all share one pose.
+    /// Whether all rays or points share one pose.
     is_still: bool,
 }
 
 impl Poses {
-    /// Returns one pose for all.
+    /// Returns one pose that all rays or points share.
     pub fn still(pose: Pose) -> Self {
         Self { is_still: true, ..Self::moving(vec![pose]) }
     }
 
-    /// Returns one pose for each.
+    /// Returns a separate pose for each ray or point.
     pub fn moving(poses: Vec<Pose>) -> Self {
         let mut columns = PointColumns::new(poses.len());
         for (i, pose) in poses.iter().enumerate() {
@@ -115,12 +116,12 @@ pub(super) struct LanePoses<'a, L> {
 pub(super) struct TurnedDirections<L> {
     /// Unit vectors in the world.
     pub direction: [L; 3],
-    /// Factor by which solid angles about each shrink.
+    /// Factor by which solid angles about each direction shrink.
     pub per_solid_angle: L,
-    /// Factor by which cosθ dA dω about each shrinks.
+    /// Factor by which cosθ dA dω about each direction shrinks.
     pub per_throughput: L,
-    /// Factor by which areas on the plane z = 0, as seen along each direction, grow: includes the cosine to the plane's
-    /// normal, without its sign.
+    /// Factor by which the projected areas of the plane z = 0, seen along each direction, grow; it includes
+    /// the absolute value of the cosine between the direction and the plane's normal.
     pub seen_area: L,
 }
 
@@ -155,22 +156,22 @@ impl<L: Lanes<Scalar = f64>> LanePoses<'_, L> {
         [self.number(ORIGIN), self.number(ORIGIN + 1), self.number(ORIGIN + 2)]
     }
 
-    /// Points of the world in camera space.
+    /// Returns points of the world in camera space.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn point(&self, [x, y, z]: [L; 3]) -> [L; 3] {
         let [ox, oy, oz] = self.origin();
         self.product(TO_CAMERA, [x - ox, y - oy, z - oz])
     }
 
-    /// Points of camera space in the world.
+    /// Returns points of camera space in the world.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn outside(&self, point: [L; 3]) -> [L; 3] {
         let ([ox, oy, oz], [x, y, z]) = (self.origin(), self.product(TO_WORLD, point));
         [x + ox, y + oy, z + oz]
     }
 
-    /// Transforms unit directions of camera space. With the matrix T and s = |T d|, solid angles grow by det T/s³,
-    /// throughput by det² T/s⁴.
+    /// Transforms unit directions of camera space to the world. With the matrix T and s = |T d|, solid angles
+    /// grow by det T/s³ and throughput by det² T/s⁴.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn turned(&self, direction: [L; 3]) -> TurnedDirections<L> {
         let [x, y, z] = self.product(TO_WORLD, direction);
@@ -187,7 +188,7 @@ impl<L: Lanes<Scalar = f64>> LanePoses<'_, L> {
         }
     }
 
-    /// Returns the inverse of the growth of areas on the plane z = 0.
+    /// Returns the reciprocal of the factor by which areas on the plane z = 0 grow.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn per_area(&self) -> L {
         self.number(PER_AREA)

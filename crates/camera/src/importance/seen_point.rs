@@ -1,5 +1,6 @@
-//! Points of the scene as seen from a point E of the axis in the lens, in lanes: their direction and distance, and the
-//! plane through E perpendicular to the line between them, whose points identify rays.
+//! Points of the scene as seen from a point E on the axis inside the lens, in lanes: the direction and
+//! distance of each point, and the plane through E perpendicular to the line from E to the point. Points of
+//! this plane identify rays.
 
 use realistic_optics::lens::Ray;
 use realistic_simd::{Cpu, Lanes, OneLane, Portable};
@@ -7,17 +8,17 @@ use realistic_simd::{Cpu, Lanes, OneLane, Portable};
 /// One point of the scene.
 pub(super) type OneSeenPoint = SeenPoint<OneLane<f64>>;
 
-/// Points of the scene, as E sees them.
+/// Points of the scene, as seen from E.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SeenPoint<L> {
     /// z of E, mm.
     reference: f64,
-    /// Unit vector across the axis, toward the point.
+    /// Unit vector perpendicular to the axis, toward the point.
     pub azimuth: [L; 2],
-    /// Sine and cosine of the angle to the axis.
+    /// Sine and cosine of the angle θ between the axis and the direction from E to the point.
     sin: L,
     cos: L,
-    /// 1 over the distance, 1/mm; 0 at infinity.
+    /// Reciprocal of the distance from E, 1/mm; 0 at infinity.
     pub vergence: L,
 }
 
@@ -27,7 +28,7 @@ pub(super) struct AimedRay<L> {
     pub origin: [L; 3],
     /// A unit vector.
     pub direction: [L; 3],
-    /// Inverse cosine of the angle to the line from the point to E.
+    /// Reciprocal of the cosine of the angle between the ray and the line from the point to E.
     pub stretch: L,
 }
 
@@ -49,29 +50,30 @@ impl<L: Lanes<Scalar = f64>> SeenPoint<L> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn half_tangent(&self, cpu: Cpu<L>) -> L {
         let (zero, one) = (L::splat(cpu, 0.0), L::splat(cpu, 1.0));
-        // Takes the form without cancellation.
+        // Chooses the form of tan(θ/2) without cancellation.
         let is_behind = self.cos.less(zero);
         let above = L::select(is_behind, one - self.cos, self.sin);
         above / L::select(is_behind, self.sin, one + self.cos)
     }
 
-    /// Turns a vector perpendicular to the axis by the azimuth: returns its components along the plane's axes.
+    /// Rotates a vector perpendicular to the optical axis by the azimuth; returns its components along the
+    /// plane's axes.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn turned(&self, [x, y]: [L; 2]) -> [L; 2] {
         let [c, s] = self.azimuth;
         [y.mul_add(s, x * c), x.neg_mul_add(s, y * c)]
     }
 
-    /// Returns a vector from its components along the plane's axes and toward the point; the first axis lies in the
-    /// plane of the axis and the point.
+    /// Returns a vector from its components along the plane's two axes and along the direction to the point;
+    /// the first of the plane's axes lies in the plane that contains the optical axis and the point.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn vector(&self, [a, b, w]: [L; 3]) -> [L; 3] {
         let ([x, y], out) = (self.azimuth, a * self.cos + w * self.sin);
         [x * out - y * b, y * out + x * b, w * self.cos - a * self.sin]
     }
 
-    /// Returns the rays from the points through points of the plane. They begin `lead` before the plane, or at the
-    /// point if that is nearer.
+    /// Returns the rays from the scene points through points of their planes. Each ray begins at the distance
+    /// `lead` before the plane, or at the scene point if that is nearer.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn ray(&self, cpu: Cpu<L>, [a, b]: [L; 2], lead: f64) -> AimedRay<L> {
         let (v, one) = (self.vergence, L::splat(cpu, 1.0));
@@ -86,7 +88,7 @@ impl<L: Lanes<Scalar = f64>> SeenPoint<L> {
 }
 
 impl OneSeenPoint {
-    /// Returns the point at field angle θ in the plane of x and the axis, given tan(θ/2).
+    /// Returns the scene point at field angle θ in the plane of x and the axis, given tan(θ/2).
     pub fn on_meridian(reference: f64, half_tangent: f64, vergence: f64) -> Self {
         let square = half_tangent * half_tangent;
         let [sin, cos] = [2.0 * half_tangent, 1.0 - square].map(|part| Portable([part / (1.0 + square)]));
@@ -101,8 +103,8 @@ impl OneSeenPoint {
         Ray { origin: ray.origin.map(number), direction: ray.direction.map(number) }
     }
 
-    /// Projects a point of lens space from the scene point to the plane; points beside or behind the scene point
-    /// project to infinity.
+    /// Projects a point of lens space from the scene point onto the plane; points beside or behind the scene
+    /// point project to infinity.
     pub fn seen(&self, [x, y, z]: [f64; 3]) -> [f64; 2] {
         let Self { azimuth: [Portable([ax]), Portable([ay])], .. } = *self;
         let (Portable([sin]), Portable([cos])) = (self.sin, self.cos);

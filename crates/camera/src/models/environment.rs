@@ -1,10 +1,11 @@
 //! The environment camera: all directions from a point, in spherical coordinates about the y axis.
 //!
-//! It is pbrt-v1's stock camera of this name (M. Pharr and G. Humphreys, *Physically Based Rendering*, 1st ed. 2004,
-//! §6.3): θ = π y/yres from straight up, φ = 2π x/xres from +x toward +z, weight 1, and `hither` and `yon` as distances
-//! from the point. The angles have the stock camera's bits; their sines and cosines are series, the same for one sample
-//! and for many. If the camera transform scales or shears, directions are normalised, unlike in the stock camera, and
-//! the clip range follows.
+//! It reproduces pbrt-v1's stock camera of this name (M. Pharr and G. Humphreys, *Physically Based
+//! Rendering*, 1st ed. 2004, §6.3): θ = π y/yres from straight up, φ = 2π x/xres from +x toward +z, weight 1,
+//! and `hither` and `yon` as distances from the point. The angles are bit-identical to the stock camera's;
+//! their sines and cosines are computed by series that give the same result for one sample and for many. If
+//! the camera transform scales or shears, directions are normalised, unlike in the stock camera, and the clip
+//! range is adjusted accordingly.
 
 use std::f32::consts::{PI, TAU};
 

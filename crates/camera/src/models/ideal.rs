@@ -1,16 +1,19 @@
-//! The thick and the thin lens: ideal imaging with the first-order properties of a real lens.
+//! The thick lens and the thin lens: ideal imaging with the first-order properties of a real lens.
 //!
-//! **Thick.** A ray leaves the film point for a point of the exit pupil and continues from principal plane to principal
-//! plane at equal height (Kolb, Mitchell and Hanrahan 1995, §3.2): all rays of a film point meet in one point of the
-//! plane in focus. The exit pupil has the position of the lens's own, and subtends the same angle at the film's centre
-//! as by exact rays: the weight A cos⁴θ'/Z² gives the lens's own irradiance on the axis. By Abbe's sine condition, sin
-//! U' = D/2f for a beam of diameter D, while the thick lens has tan U' = D/2f: its beam in the scene is wider than the
-//! lens's by 1/cos U'. It has no aberrations and no vignetting, and intersects no interface: it is the faster
-//! calculation of the transform.
+//! **Thick.** A ray travels from the film point to a point of the exit pupil and continues from principal
+//! plane to principal plane at equal height (Kolb, Mitchell and Hanrahan 1995, §3.2): all rays of a film
+//! point meet in one point of the plane in focus. The exit pupil has the position of the real lens's exit
+//! pupil, and subtends the same angle at the film's centre as the pupil that exact rays find: the weight A
+//! cos⁴θ'/Z² therefore gives the real lens's irradiance on the axis. By Abbe's sine condition, a real lens
+//! has sin U' = D/2f for a beam of diameter D, while the thick lens has tan U' = D/2f: the beam of the thick
+//! lens in the scene is wider than that of the real lens by the factor 1/cos U'. The thick lens has no
+//! aberrations and no vignetting. Because it intersects no surface, it is the faster way to calculate the
+//! ray.
 //!
-//! **Thin.** The same lens with both principal planes moved to the one on the scene's side, and the film at the same
-//! distance behind it: the picture and the plane in focus stay. The pupil is the lens itself, with the diameter that
-//! keeps the film's cone of light and so the exposure.
+//! **Thin.** The thin lens is the same lens with both principal planes moved to the one on the scene's side,
+//! and with the film at the same distance behind that plane, so that the picture and the plane in focus stay
+//! the same. The pupil is the lens itself; its diameter keeps the cone of light at the film, and thus the
+//! exposure.
 
 use std::f64::consts::PI;
 
@@ -39,7 +42,8 @@ pub struct IdealCamera {
 }
 
 impl IdealCamera {
-    /// Builds the thick lens of the parameters' lens, or for [`Model::Thin`] its thin lens. `log` receives warnings.
+    /// Builds the thick lens that corresponds to the parameters' lens or, for [`Model::Thin`], the thin lens.
+    /// `log` receives warnings.
     ///
     /// # Errors
     /// The error states the cause and what to give instead.
@@ -102,7 +106,7 @@ impl IdealCamera {
         })
     }
 
-    /// Returns the lens whose first-order properties these are, and the film.
+    /// Returns the lens whose first-order properties the camera has, and the film.
     pub fn facts(&self) -> &Facts {
         &self.facts
     }
@@ -129,13 +133,14 @@ impl IdealCamera {
     }
 }
 
-/// Returns film and pupil coordinates as linear functions of rays in the front vertex plane.
+/// Returns film and pupil coordinates as linear functions of a ray's height and slope in the front vertex
+/// plane.
 fn linear(imaging: &FirstOrder, pupil: &PupilDisk, body: &CameraBody) -> Linear {
     let FilmSide { film, z, .. } = &body.film_side;
     let [[a, b], [c, d]] = imaging.from_film(*z);
     let at_film = PlaneMap { from_height: d, from_slope: -b };
     let slope = PlaneMap { from_height: -c, from_slope: a };
-    // A point of the disk is the slope minus the slope to the disk's centre.
+    // A disk coordinate is the ray's slope minus the slope to the disk's centre.
     let center = pupil.seen_from([1.0, 0.0]).center[0];
     let lens = PlaneMap {
         from_height: slope.from_height - center * at_film.from_height,
@@ -277,7 +282,7 @@ mod tests {
         let camera = ideal("thick", &[("focus_distance", "2500"), ("fnumber", "8")]);
         let film = camera.facts.film_z();
         let Facts { lens, beam, film_distance, .. } = &camera.facts;
-        // The thick lens's own pupil.
+        // The pupil of the thick lens itself.
         let slope = slope_radius(&camera);
         let entrance = beam.entrance.with_diameter(beam.diameter() * (1.0 + slope * slope).sqrt());
         let range = DepthOfField::of(lens, &entrance, *film_distance, 2500.0, CONFUSION)
@@ -289,8 +294,8 @@ mod tests {
         let pupil = entrance.position().expect("finite");
         for limit in [range.near, range.far] {
             let plane = film + limit;
-            // The cone from the film's centre to the pupil's edge, and by similar triangles the blur of a point of this
-            // plane in the plane in focus.
+            // Width of the cone from the film's centre to the pupil's edge and, by similar triangles, the
+            // blur in the plane in focus of a point in this plane.
             let cone = 2.0 * at_depth(&ray(&camera, [150.0, 100.0], [1.0, 0.5]).0, plane)[0].abs();
             let blur = cone * (focus - pupil) / (plane - pupil) * magnification;
             assert!((blur / CONFUSION - 1.0).abs() < 2e-3, "{limit} mm: {blur} mm");

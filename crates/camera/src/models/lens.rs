@@ -1,5 +1,5 @@
-//! The realistic camera: turns a sample into a ray through every interface of the lens (Kolb, Mitchell and Hanrahan
-//! 1995).
+//! The realistic camera, which traces a sample's ray through every surface of the lens (Kolb, Mitchell and
+//! Hanrahan 1995).
 
 use std::sync::Arc;
 
@@ -34,9 +34,9 @@ use realistic_trace::field::Field;
 pub struct RealisticCamera {
     facts: Facts,
     body: CameraBody,
-    /// The disk that holds every pupil.
+    /// The disk that contains the pupils of all film points.
     rear: PupilDisk,
-    /// The lens from film to scene, used to find the reason why a sample has no ray.
+    /// The path through the lens from film to scene, used to find the reason why a sample has no ray.
     path: Path,
     ghosts: Option<Arc<GhostRays>>,
     tracers: Tracers,
@@ -55,8 +55,8 @@ impl RealisticCamera {
         Self::build_from(None, parameters, host, log)
     }
 
-    /// Builds the camera of [`RealisticCamera::build`], identical to the last bit; takes from the donor what follows
-    /// from the same settings.
+    /// Builds the same camera as [`RealisticCamera::build`], identical to the last bit; reuses the parts of
+    /// the donor that depend only on settings that have not changed.
     ///
     /// # Errors
     /// The errors of [`RealisticCamera::build`].
@@ -72,7 +72,8 @@ impl RealisticCamera {
         Self::from_setup(setup, log)
     }
 
-    /// Builds the camera of a checked set-up, each part once, in the order of the light.
+    /// Builds the camera of a checked set-up, each part once, in the order in which the parts depend on one
+    /// another.
     fn from_setup(setup: Setup, log: Log<'_>) -> Result<Self, CameraError> {
         let Facts { lens, film, .. } = &setup.facts;
         let path = Path::new(lens, Direction::FilmToScene, setup.refraction);
@@ -80,7 +81,8 @@ impl RealisticCamera {
         let rear = rear_disk(&setup, film_z)?;
         let exit = PupilDisk::exit(lens, film_z);
         let sampler = pupil_sampler(&setup, &path, film_z, [rear, exit], log);
-        // The pupil is that of the round stop: rays that the blades cover are blocked.
+        // The sampled pupil is that of the round stop; rays that hit the blades are blocked when they are
+        // traced.
         let path = path.with_blades(lens, setup.blades);
         let weight = weight_factor(&setup, &path, film_z, &sampler, [rear, exit])?;
         let body = CameraBody {
@@ -96,20 +98,21 @@ impl RealisticCamera {
             tracers = tracers.with_ghosts(ghosts);
         }
         let mut rays = RayMaker::new(tracers.one.clone(), tracers.many.clone(), body.placement.clone());
-        // With a tolerance the camera's own tracer may differ from the exact one, which traces rays at wavelengths.
+        // With a tolerance, the camera's own tracer may be approximate; rays at wavelengths need the exact
+        // tracer.
         if setup.is_dispersive() || setup.tolerance > 0.0 {
             let Setup { media, transmittances, blades, .. } = setup;
             let optics = LensOfMedia { lens: lens.clone(), media, transmittances, blades };
             rays.set_spectral(Spectral::new(optics, body.clone(), tracers.exact, ghosts.clone()));
         }
-        // The film distance that follows from the rounded z of the film.
+        // The film distance that corresponds to the rounded z of the film.
         let film_distance = setup.facts.lens.rear().vertex - film_z;
         let facts = Facts { film_distance, ..setup.facts };
         let (blades, shared) = (setup.blades, setup.shared);
         Ok(Self { facts, body, rear, path, ghosts, tracers, rays, plan, blades, shared })
     }
 
-    /// Returns the ray of a sample with its weight, positive; `None` for a blocked sample.
+    /// Returns the ray of a sample and its weight, which is positive; `None` for a blocked sample.
     pub fn ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
         self.rays.ray(sample)
     }
@@ -123,8 +126,8 @@ impl RealisticCamera {
         self.body.why_none(self.tracers.one.film_ray(sample, None), |ray| self.path.trace(ray))
     }
 
-    /// Returns a substitute for a blocked ray, for hosts that need a complete ray: the thick lens's ray of the same
-    /// film point and lens sample, or the straight one if the lens is afocal.
+    /// Returns a substitute for a blocked ray, for hosts that need a complete ray: the ray that the thick
+    /// lens has for the same film point and lens sample or, if the lens is afocal, the undeflected ray.
     pub fn substitute(&self, sample: &Sample) -> WorldRay {
         let axial = Ray { origin: [0.0; 3], direction: [0.0, 0.0, 1.0] };
         let FilmRays { point, disk, slopes, area_per_pi } = self.tracers.one.film_ray(sample, None);
@@ -152,8 +155,8 @@ impl RealisticCamera {
         &self.facts
     }
 
-    /// Returns the distance from the axis up to which light reaches the film, at most that of its corner, mm; `None` if
-    /// its middle is dark.
+    /// Returns the largest distance from the axis at which light reaches the film, mm, at most that of the
+    /// film's corner; `None` if the film's centre is dark.
     pub fn lit_radius(&self) -> Option<f64> {
         let Facts { lens, film, .. } = &self.facts;
         let corner = film.corner();
@@ -178,7 +181,7 @@ impl RealisticCamera {
     }
 }
 
-/// Extends a ray to the front vertex plane without refraction; its direction becomes a unit vector.
+/// Extends a ray to the front vertex plane without refraction, and normalises its direction.
 fn straight(Ray { origin: [x, y, z], direction: [dx, dy, dz] }: Ray) -> Ray {
     let (sx, sy) = (dx / dz, dy / dz);
     let norm = (1.0 + sx * sx + sy * sy).sqrt();
@@ -255,7 +258,7 @@ mod tests {
 
     #[test]
     fn the_light_of_any_lens_takes_no_more_work_than_it_may() {
-        // The survey of ghosts takes 4 million units; one ray may take the rest.
+        // The survey of ghosts takes 4 million units; a single ray may take the rest.
         const MOST: u64 = 5_000_000;
         let (mut cameras, mut unsurveyed, mut rays) = (0, 0, 0);
         for (interfaces, layers, transmission) in [

@@ -1,5 +1,5 @@
-//! The parts of the realistic camera, each built once from its set-up: the rear element's disk, the pupil sampler, the
-//! factor of the weights, and the tracers; with warnings for the user.
+//! The parts of the realistic camera: the rear element's disk, the pupil sampler, the factor of the weights,
+//! and the tracers. Each is built once from the set-up, with warnings for the user.
 
 use std::{f64::consts::PI, sync::Arc};
 
@@ -26,18 +26,19 @@ use realistic_optics::{
     trace::Path,
 };
 
-/// Share of the irradiance that the thick-lens exit pupil may miss without a warning.
+/// Fraction of the irradiance that sampling the thick-lens exit pupil may miss without a warning.
 const MISSED_SHARE: f64 = 1e-3;
-/// Rays across the rear element in the survey of that share.
+/// Number of rays across the rear element in the survey that estimates this fraction.
 const SURVEY_RAYS: u32 = 64;
 
-/// Returns the disk that holds every ray from the film through the rear surface.
+/// Returns the disk that contains every ray from the film through the rear surface.
 pub(super) fn rear_disk(setup: &Setup, film_z: f64) -> Result<PupilDisk, CameraError> {
     let Facts { lens, film, film_distance, .. } = &setup.facts;
     let rear = PupilDisk::rear_of_depth(lens, film_z, film.reach(), film.depth())
         .ok_or_else(|| CameraError::film_in_lens(lens, *film_distance))?;
-    // If film is so near the glass that the pupil fills a hemisphere to the last digit, or is that large, the pupil's
-    // area in slopes, on which the weights are based, leaves the number range.
+    // If the film is so near the glass that the pupil fills a hemisphere to the last digit, or if the film is
+    // correspondingly large, the pupil's area in slopes, on which the weights are based, leaves the number
+    // range.
     representable(rear.slope_area())?;
     Ok(rear)
 }
@@ -79,13 +80,13 @@ pub(super) fn pupil_sampler(
     }
 }
 
-/// Returns the area of the rear element's clear aperture in the lens table, mm².
+/// Returns the area of the rear element's clear aperture as given in the lens table, mm².
 fn clear_area(setup: &Setup) -> f64 {
     PI * setup.facts.lens.rear().semi_diameter.powi(2)
 }
 
-/// Reports how much the sampled disk exceeds the rear element's disk, since a reader of the assignment expects the
-/// latter.
+/// Reports the factor by which the sampled disk exceeds the rear element's disk, because a reader of the
+/// assignment expects the rear element's disk.
 fn report_enlarged(rear: PupilDisk, clear_area: f64, log: Log<'_>) {
     let ratio = rear.area().map_or(1.0, |area| area / clear_area);
     if ratio > 1.0 + 1e-12 {
@@ -99,7 +100,7 @@ fn report_enlarged(rear: PupilDisk, clear_area: f64, log: Log<'_>) {
     }
 }
 
-/// Returns the factor from a ray's cos⁴ and slope area to its weight; `None` for weight 1.
+/// Returns the factor from the product of a ray's cos⁴ and slope area to its weight; `None` for weight 1.
 pub(super) fn weight_factor(
     setup: &Setup,
     path: &Path,
@@ -111,14 +112,14 @@ pub(super) fn weight_factor(
         Weighting::Radiometric => Some(setup.exposure),
         Weighting::Assignment => {
             let area = match setup.pupil {
-                // The sampled disk grows with the film, and exposure must not depend on the film's size.
+                // The sampled disk grows with the film, but exposure must not depend on the film's size.
                 Pupil::Rear => clear_area(setup),
                 Pupil::Disk | Pupil::Warped => exit.area().ok_or(CameraError::PupilAtInfinity)?,
             };
             Some(area.recip())
         }
         Weighting::Relative => {
-            // The mean over the disk in use makes the mean weight on the axis 1 with either pupil.
+            // Averaging over the disk in use makes the mean weight on the axis 1 for either pupil.
             let reach = sampler.disk().unwrap_or(&rear).seen_from([0.0; 2]).radius;
             let mean = on_axis(path, film_z, reach);
             if mean <= 0.0 {
@@ -129,7 +130,7 @@ pub(super) fn weight_factor(
         Weighting::None => None,
     };
     let largest = sampler.disk().unwrap_or(&rear).slope_area();
-    // The factor times π must fit by itself, too: single precision multiplies areas over π by it.
+    // The factor times π must fit by itself, too, because single precision multiplies it by areas over π.
     representable(weight.map_or(1.0, |weight| (weight * largest).max(weight * PI)))?;
     Ok(weight)
 }
@@ -149,14 +150,14 @@ pub(super) fn weighted_coatings(setup: &Setup, log: Log<'_>) -> Option<Arc<[Surf
 pub(super) struct Tracers {
     /// Traces rays one by one, or with their differentials.
     pub one: Arc<dyn LensTracer>,
-    /// Traces batches: the same tracer, unless a tolerance allows a faster one.
+    /// Traces batches with the same tracer, unless a tolerance allows a faster one.
     pub many: Arc<dyn LensTracer>,
-    /// Precision of rays at wavelengths of their own, which are traced exactly.
+    /// Precision of rays with wavelengths of their own, which are traced exactly.
     pub exact: Precision,
 }
 
 impl Tracers {
-    /// Adds ghosts, which take a share of the samples.
+    /// Adds ghosts, which a share of the samples follows.
     pub fn with_ghosts(self, ghosts: &Arc<GhostRays>) -> Self {
         let [one, many] = [self.one, self.many].map(|direct| -> Arc<dyn LensTracer> {
             Arc::new(GhostTracer::new(direct, ghosts.clone(), None))
@@ -165,7 +166,7 @@ impl Tracers {
     }
 }
 
-/// Returns the ghost rays, on paths with two reflections, if a share of the samples is to take them.
+/// Returns the ghost rays, whose paths have two reflections, if a share of the samples is to follow them.
 pub(super) fn ghost_rays(
     setup: &Setup,
     rear: PupilDisk,
@@ -244,22 +245,24 @@ pub(super) fn plan_and_compile(
     describe_requests(&requests, &mut plan);
     body.placement.describe(&mut plan);
     let exact = match decision.many.as_ref().unwrap_or(&decision.one) {
-        // The error of polynomials in single precision does not predict that of an exact trace in it.
+        // The error of polynomials in single precision does not predict the error of an exact trace in single
+        // precision.
         Tracing::Polynomials { .. } => Precision::F64,
         Tracing::Exact(precision) | Tracing::Refracted(_, precision) => *precision,
     };
     (Tracers { one, many, exact }, plan)
 }
 
-/// Checks that a weight fits in a float, which hosts take.
+/// Checks that a weight fits in a float, the type that hosts accept.
 pub(super) fn representable(weight: f64) -> Result<(), CameraError> {
     if (weight as f32).is_finite() { Ok(()) } else { Err(CameraError::Weight { weight }) }
 }
 
-/// Width of a ring of film, over the film's radius, below which noise in it goes unnoticed.
+/// Width of a ring of film, relative to the film's radius, below which noise in the ring goes unnoticed.
 const NARROW: f64 = 1e-3;
 
-/// Reports the film radii that the warped pupil had to give up, the reason, and the share that is left.
+/// Reports the ranges of film radii for which the warped pupil was given up, with the reason and the share of
+/// samples that still pass.
 fn report_given_up(pupil: &WarpedPupil, film: &Film, log: Log<'_>) {
     let lit_radius = pupil.image_radius().unwrap_or(film.reach());
     let corner = film.diagonal() / 2.0;
@@ -287,8 +290,9 @@ fn report_given_up(pupil: &WarpedPupil, film: &Film, log: Log<'_>) {
             }
             _ => "more samples per pixel make up for it".to_owned(),
         };
-        // Noise in so narrow a ring goes unnoticed, as does a ring outside the picture, where only a filter requests
-        // rays: a few pixels, which are wide if pixels are few.
+        // Noise goes unnoticed in so narrow a ring. It also does in a ring outside the picture, where only
+        // the reconstruction filter requests rays: the ring is a few pixels wide, which is a large width only
+        // if the image has few pixels.
         let level = if to.min(corner) - from < NARROW * lit_radius { Level::Info } else { Level::Warning };
         log(
             level,
@@ -300,7 +304,7 @@ fn report_given_up(pupil: &WarpedPupil, film: &Film, log: Log<'_>) {
     }
 }
 
-/// Reports the share of a tilted or curved film over which the rear element's disk is sampled.
+/// Reports the fraction of a tilted or curved film for which the rear element's disk is sampled.
 fn report_covered(covered: f64, log: Log<'_>) {
     if covered > 0.0 {
         log(
@@ -314,7 +318,7 @@ fn report_covered(covered: f64, log: Log<'_>) {
     }
 }
 
-/// Formats a share in per cent, with two digits if it is small.
+/// Formats a share as a percentage, with two decimals if it is less than 1 %.
 fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     if percent < 1.0 { format!("{percent:.2}") } else { format!("{percent:.0}") }

@@ -1,10 +1,11 @@
 //! The orthographic and the perspective camera, with an optional thin lens for depth of field.
 //!
-//! They are pbrt-v1's stock cameras of these names (M. Pharr and G. Humphreys, *Physically Based Rendering*, 1st ed.
-//! 2004, §6.2): the same parameters and defaults, the ray's origin on the near plane, its end at the far plane
-//! (perspective) or at the length between the planes (orthographic), weight 1, and, except for the sines and cosines of
-//! lens points, the stock cameras' single-precision arithmetic, operation for operation. If the camera transform scales
-//! or shears, directions are normalised, unlike in the stock cameras, and the clip range follows.
+//! They reproduce pbrt-v1's stock cameras of these names (M. Pharr and G. Humphreys, *Physically Based
+//! Rendering*, 1st ed. 2004, §6.2): the parameters and defaults are the same, the ray begins on the near
+//! plane and ends at the far plane (perspective) or after the distance between the planes (orthographic), the
+//! weight is 1, and, except for the sines and cosines of lens points, the single-precision arithmetic is the
+//! same, operation for operation. If the camera transform scales or shears, directions are normalised, unlike
+//! in the stock cameras, and the clip range is adjusted accordingly.
 
 use super::spaces::{NearPlane, Projection, ScreenWindow};
 use crate::{
@@ -21,7 +22,7 @@ use realistic_simd::{Cpu, Lanes};
 pub enum Projecting {
     /// Parallel rays along z.
     Orthographic,
-    /// Rays from the eye; the angle, in degrees, spans [-1, 1] on the screen.
+    /// Rays from the eye; the angle `fov`, in degrees, spans [-1, 1] on the screen.
     Perspective { fov: f32 },
 }
 
@@ -30,13 +31,13 @@ pub enum Projecting {
 pub struct ThinLens {
     /// Radius, world units, positive.
     pub radius: f32,
-    /// Distance from the eye to the plane of focus, world units, more than `hither`.
+    /// Distance from the eye to the plane of focus, world units; greater than `hither`.
     pub focal_distance: f32,
     pub plane: LensPlane,
     pub mapping: DiskMapping,
 }
 
-/// Rays from the near plane.
+/// The rays of a projection, which begin on the near plane.
 #[derive(Clone, Debug)]
 pub struct Projective {
     near: NearPlane,
@@ -45,7 +46,8 @@ pub struct Projective {
     hither: f32,
     /// Distance from the near plane to the far one, world units.
     depth: f32,
-    /// A power of two that keeps the squares of directions in range, if planes are very far or near.
+    /// A power of two that keeps the squares of directions in the number range if the planes are very far or
+    /// very near.
     scale: Option<f32>,
 }
 
@@ -63,8 +65,8 @@ impl Projective {
         };
         let near = Projection::of_raster(window, raster).then(&to_camera).near_plane();
         let perspective = projecting != Projecting::Orthographic;
-        // The length of directions is the distance from the near plane to the plane of focus, or from the eye to the
-        // near plane.
+        // The length of a direction vector is the distance from the near plane to the plane of focus, or from
+        // the eye to the near plane.
         let length = lens.map_or(if perspective { hither } else { 1.0 }, |lens| lens.focal_distance);
         let scale = (!(1e-10..1e10).contains(&length)).then(|| (-length.log2().floor()).exp2());
         Self { near, perspective, lens, hither, depth: yon - hither, scale }
@@ -101,7 +103,7 @@ impl View for Projective {
     }
 }
 
-/// Returns the unit vectors along `d`, summed in pbrt's order.
+/// Returns the unit vectors along `d`, with the squares summed in pbrt's order.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn unit<L: Lanes<Scalar = f32>>(cpu: Cpu<L>, [mut x, mut y, mut z]: [L; 3], scale: Option<f32>) -> [L; 3] {
     if let Some(scale) = scale {
@@ -263,7 +265,8 @@ mod tests {
                             }
                         }
                     }
-                    // A lens beyond any world's size has no rays; any other has those of the image and far around it.
+                    // A lens larger than any world has no rays; any other lens has rays for image points and
+                    // for points far around the image.
                     let odd = |lens: ThinLens| {
                         lens.radius > 1e33 || lens.radius > 1e17 && lens.focal_distance > 1e20
                     };

@@ -24,23 +24,24 @@
 //!             z: n   f                    z': 0      1
 //! ```
 //!
-//! * **Object** space is each object's own, **world** space the scene's; the host transforms one to the other.
-//!   **Camera** space has the eye (for a lens: its front vertex) at the origin.
+//! * **Object** space is each object's own space, **world** space that of the scene; the host transforms one
+//!   to the other. **Camera** space has the eye (for a lens: its front vertex) at the origin.
 //! * **Screen** space is camera space projected onto the picture plane; the **screen window** is the part of it that
 //!   becomes the image. By default its shorter side reaches from -1 to 1, and the longer one is larger by the **frame
 //!   aspect ratio** (width over height).
 //! * **NDC** (normalised device coordinates) are fractions of the image, **raster** coordinates are pixels; both
 //!   begin at the top left corner and grow to the right and down.
 //!
-//! Rays go from right to left, so a camera needs the inverses. Matrices act on column vectors. They are in single
-//! precision and multiplied in pbrt-v1's order, so that rays made with them have its bits (M. Pharr and G. Humphreys,
-//! *Physically Based Rendering*, 1st ed. 2004, §6.1-6.2).
+//! Rays are transformed from right to left in this diagram, so a camera needs the inverse transforms.
+//! Matrices act on column vectors. They are in single precision and are multiplied in pbrt-v1's order, so
+//! that the rays are bit-identical to those of pbrt-v1 (M. Pharr and G. Humphreys, *Physically Based
+//! Rendering*, 1st ed. 2004, §6.1-6.2).
 
 use crate::film::Raster;
 use realistic_simd::{Cpu, Lanes};
 
-/// A transform from one of the spaces to one on its left, which treats x and y separately: an affine transform, or the
-/// inverse of a perspective projection.
+/// A transform from one of the spaces to one on its left that transforms x and y separately: an affine
+/// transform, or the inverse of a perspective projection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Projection {
     /// Factor and constant from x to x'.
@@ -60,16 +61,16 @@ impl Projection {
         Self { x: [1.0, x], y: [1.0, y], zw: [[1.0, z], [0.0, 1.0]] }
     }
 
-    /// Returns the transform from screen space to camera space without perspective: the inverse of
-    /// z' = (z - n)/(f - n); x and y are unchanged. `near` < `far`.
+    /// Returns the transform from screen space to camera space without perspective, which is the inverse of
+    /// z' = (z - n)/(f - n) and leaves x and y unchanged. `near` must be less than `far`.
     pub fn of_orthographic_screen(near: f32, far: f32) -> Self {
         let depth = (1.0 / (far - near)).recip();
         Self::scale([1.0, 1.0, depth]).then(&Self::translate([0.0, 0.0, near]))
     }
 
-    /// Returns the transform from screen space to camera space with perspective: the inverse of
-    /// z' = f (z - n)/(z (f - n)), and of x and y divided by z and by the tangent of half the angle `fov` (degrees,
-    /// between 0 and 180) that spans [-1, 1] on the screen. 0 < `near` < `far`.
+    /// Returns the transform from screen space to camera space with perspective. It is the inverse of z' = f
+    /// (z - n)/(z (f - n)) and of the division of x and y by z and by the tangent of half the angle `fov`
+    /// (degrees, between 0 and 180) that spans [-1, 1] on the screen. 0 < `near` < `far`.
     pub fn of_perspective_screen(fov: f32, near: f32, far: f32) -> Self {
         let per_depth = 1.0 / (far - near);
         let zw = inverse_of_depth(far * per_depth, -far * near * per_depth);
@@ -95,7 +96,7 @@ impl Projection {
         Self { x: line(next.x, self.x), y: line(next.y, self.y), zw: [row(a), row(b)] }
     }
 
-    /// Transforms a point; the oracle of [`NearPlane`].
+    /// Transforms a point; tests compare [`NearPlane`] with it.
     #[cfg(test)]
     fn point(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
         let on = |[a, b]: [f32; 2], x: f32| a * x + b;
@@ -111,7 +112,7 @@ impl Projection {
     }
 }
 
-/// A [`Projection`] specialized for raster points, whose z is 0: gives points of the near plane.
+/// A [`Projection`] specialized for raster points, whose z is 0: maps them to points of the near plane.
 #[derive(Clone, Copy, Debug)]
 pub struct NearPlane {
     x: [f32; 2],
@@ -135,9 +136,9 @@ impl NearPlane {
     }
 }
 
-/// Returns the inverse of the depth part ((a, b), (1, 0)) of the perspective matrix. In exact arithmetic it is ((0, 1),
-/// (1/b, -a/b)). Elimination that begins with the largest entry, as in pbrt's general inverse, adds rounding errors if
-/// that entry is a, and the near plane moves accordingly.
+/// Returns the inverse of the depth part ((a, b), (1, 0)) of the perspective matrix. In exact arithmetic it
+/// is ((0, 1), (1/b, -a/b)). Like pbrt's general inverse, the elimination begins with the largest entry; if
+/// that is a, this adds rounding errors, and the near plane moves accordingly.
 fn inverse_of_depth(a: f32, b: f32) -> [[f32; 2]; 2] {
     if a > 1.0 && a > b.abs() {
         let p = 1.0 / a;
@@ -151,7 +152,8 @@ fn inverse_of_depth(a: f32, b: f32) -> [[f32; 2]; 2] {
     }
 }
 
-/// The part of the screen that becomes the image: from x, to x, from y, to y, in screen space.
+/// The part of screen space that becomes the image: x at its left and right edges, then y at its bottom and
+/// top edges.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScreenWindow(pub [f32; 4]);
 

@@ -31,13 +31,14 @@ const LARGEST_YON: f64 = 1e30;
 /// Distance to the plane of focus that stands for infinity, world units.
 const FOCUSED_AT_INFINITY: f64 = 1e30;
 
-/// A camera without a prescription. Immutable, and may be shared between threads.
+/// A camera without a lens prescription. Immutable, and may be shared between threads.
 #[derive(Clone, Debug)]
 pub struct StockCamera {
     pub rays: RayMaker,
     /// Mapping of lens samples to the disk; `None` without a lens.
     pub mapping: Option<DiskMapping>,
-    /// The adjoint camera and the area of its lens, or the reason why it has no importance.
+    /// The linear rays of the adjoint camera and the area of its lens, or the reason why the camera has no
+    /// importance.
     adjoint: Result<(Linear, f64), ImportanceError>,
 }
 
@@ -58,7 +59,7 @@ impl StockCamera {
     /// The camera has no importance.
     pub fn adjoint(&self) -> Result<AdjointCamera, ImportanceError> {
         let (linear, area) = self.adjoint.as_ref().map_err(Clone::clone)?;
-        // Depths alone limit the points that it sees.
+        // The camera limits only the depth of the points that it sees, not their distance.
         Ok(AdjointCamera::of_linear(linear, self.rays.placement(), 1.0, *area, [0.0, f64::INFINITY]))
     }
 }
@@ -102,8 +103,9 @@ fn projective(
     Ok(StockCamera::new(view, lens.map(|lens| lens.mapping), placement, adjoint))
 }
 
-/// Returns film and lens coordinates as linear functions of rays in the plane of the eye, and the lens's area. A camera
-/// with a lens samples the plane of focus evenly, in slopes from the eye or, without perspective, in heights.
+/// Returns film and lens coordinates as linear functions of a ray's height and slope in the plane of the eye,
+/// and the area of the lens. A camera with a lens samples the plane of focus uniformly: in slopes from the
+/// eye or, without perspective, in heights.
 fn linear(
     projecting: Projecting,
     ScreenWindow([x0, x1, y0, y1]): ScreenWindow,
@@ -120,7 +122,8 @@ fn linear(
     let advice = "give \"lens_radius\"";
     let lens = lens.ok_or(ImportanceError::NoArea { model, parallel, advice })?;
     let (radius, focus) = (f64::from(lens.radius), f64::from(lens.focal_distance));
-    // Height in the plane of the lens over the height at the eye, both from the central ray.
+    // Ratio of the height in the plane of the lens to the height at the eye, both measured from the central
+    // ray.
     let at_eye = match lens.plane {
         LensPlane::Eye => 1.0,
         LensPlane::Hither => 1.0 - f64::from(clip[0]) / focus,
@@ -133,11 +136,13 @@ fn linear(
     };
     let area = PI * radius * radius;
     if parallel {
-        // The density of its rays is the square of the distance over the areas of film and lens.
+        // The density of the camera's rays is the square of the distance divided by the product of the areas
+        // of film and lens.
         let film_area = f64::from((x1 - x0) * (y1 - y0)).abs();
         let farthest = (f64::from(f32::MAX) * film_area * area / area.max(1.0)).sqrt();
         if !(focus * at_eye.abs() <= farthest) {
-            // A decade less, rounded, leaves room for a camera transform that scales.
+            // Rounds down to a power of ten and leaves another factor of ten for a camera transform that
+            // scales.
             let farthest = format!("{:.0e}", 10.0_f64.powf(farthest.log10().floor() - 1.0));
             return Err(ImportanceError::Parallel { model, farthest });
         }
@@ -159,7 +164,7 @@ fn linear(
     Ok((linear, area))
 }
 
-/// Returns the placement with the clip range clamped to the range of the stock cameras.
+/// Returns the placement, with the clip range limited to that of the stock cameras.
 fn stock_placement(given: &Parameters, host: &Host, log: Log<'_>) -> Result<Placement, CameraError> {
     let hither = match given.hither {
         Some(hither) if hither < LEAST_HITHER => {

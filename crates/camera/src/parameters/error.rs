@@ -29,20 +29,20 @@ pub enum ParameterError {
     Unknown {
         /// The name that was given.
         name: String,
-        /// A question for the name that was probably meant, or every known name.
+        /// The name that was probably meant, as a question, or the list of all known names.
         known: String,
     },
-    /// The value is of another kind.
+    /// The value is not of the parameter's kind.
     #[error("parameter \"{name}\" takes {expected}, not {given}")]
     Kind {
         /// The parameter.
         name: &'static str,
-        /// The kind that it takes.
+        /// The kind of value that the parameter accepts.
         expected: &'static str,
         /// The value that was given.
         given: String,
     },
-    /// The value is of the right kind and outside the range.
+    /// The value is of the right kind but outside the range.
     #[error("parameter \"{name}\" is {value}; it must be {range}")]
     Range {
         /// The parameter.
@@ -57,18 +57,18 @@ pub enum ParameterError {
     Both {
         /// The first name.
         first: &'static str,
-        /// The other.
+        /// The second name.
         second: &'static str,
     },
 }
 
 impl ParameterError {
-    /// Returns the error of a number outside its range, which is given in words.
+    /// Returns the error of a number outside its range; `range` describes the range in words.
     pub fn out_of_range(name: &'static str, value: f64, range: &str) -> Self {
         Self::Range { name, value: as_given(value), range: range.to_owned() }
     }
 
-    /// Returns the error of a name that is not in the list of choices.
+    /// Returns the error of a name that is not in the list of choices of parameter `name`.
     pub(super) fn unknown(name: &'static str, UnknownName { given, known }: UnknownName) -> Self {
         Self::Range { name, value: format!("\"{}\"", cut(&given)), range: known }
     }
@@ -83,7 +83,7 @@ pub enum CameraError {
     /// No lens could be read.
     #[error(transparent)]
     Source(#[from] SourceError),
-    /// The lens has no such property.
+    /// The lens lacks a property that the camera needs.
     #[error(transparent)]
     Lens(#[from] LensError),
     /// The lens cannot focus at the requested distance.
@@ -92,7 +92,7 @@ pub enum CameraError {
     /// The groups of the lens cannot be placed as requested.
     #[error(transparent)]
     Moving(#[from] MovingError),
-    /// The film is requested both to move and to stay.
+    /// The parameters request that the film moves and also that it stays in place.
     #[error(
         "\"film_distance\" moves the film, and \"focus_by\" \"group\" leaves it where the lens file has it; give \
          \"focus_distance\", or leave out \"focus_by\""
@@ -110,7 +110,7 @@ pub enum CameraError {
         /// The lens.
         lens: String,
     },
-    /// The coatings of the lens file were requested, but it names none.
+    /// The coatings of the lens file were requested, but the lens file names none.
     #[error(
         "\"transmission\" is \"file\", and lens \"{lens}\" names no coatings; give it lines \"coating ROW NAME\", or another \
          \"transmission\", such as \"quarter-wave\""
@@ -119,12 +119,12 @@ pub enum CameraError {
         /// The lens.
         lens: String,
     },
-    /// Ghosts were requested on film that is not flat across the axis.
+    /// Ghosts were requested on film that is tilted or curved.
     #[error(
         "\"ghosts\" are traced to flat film across the axis; leave out \"film_tilt_x\", \"film_tilt_y\" and \"film_curvature_radius\", or \"ghosts\""
     )]
     GhostsOnPosedFilm,
-    /// The film is larger than the sphere that it is curved along.
+    /// The film's corners lie beyond the sphere along which the film is curved.
     #[error(
         "\"film_curvature_radius\" is {} mm, and the film's corners lie {} mm from its centre; its magnitude must be more",
         as_given(*radius), short(*corner)
@@ -142,7 +142,7 @@ pub enum CameraError {
     Exposure {
         /// The parameter.
         name: &'static str,
-        /// The weights.
+        /// The weighting that was requested.
         weighting: Weighting,
     },
     /// Ghosts were requested, but the surfaces reflect nothing.
@@ -151,13 +151,13 @@ pub enum CameraError {
         as_given(*share)
     )]
     NothingReflects {
-        /// The share of the samples.
+        /// The share of the samples that was to follow ghost paths.
         share: f64,
     },
     /// The lens cannot focus so near; the distance may have been meant in other units.
     #[error("{error}; {}", units.of_focus(*given))]
     TooNear {
-        /// The error of the lens.
+        /// The error that the lens returned.
         error: FocusError,
         /// The value of `focus_distance`.
         given: f64,
@@ -176,7 +176,7 @@ pub enum CameraError {
     FilmInLens {
         /// Film distance, mm.
         film_distance: f64,
-        /// Distance of the edge of the rear element's clear aperture behind the last vertex, mm.
+        /// Distance by which the edge of the rear element's clear aperture lies behind the last vertex, mm.
         edge: f64,
     },
     /// The lens or the film reaches so far that the origins of rays do not fit in floats.
@@ -188,12 +188,12 @@ pub enum CameraError {
     TooFar {
         /// The lens.
         lens: String,
-        /// Distance from the front vertex, mm.
+        /// Largest distance of the lens or the film from the front vertex, mm.
         reach: f64,
         /// The distance in units of camera space.
         units: f64,
     },
-    /// The requested weighting does not exist for this pupil.
+    /// The requested weighting is undefined for this pupil, because the exit pupil is at infinity.
     #[error(
         "weighting \"assignment\" divides by the area of the exit pupil, which is at infinity; \
          give pupil \"rear\" or another weighting"
@@ -214,18 +214,18 @@ pub enum CameraError {
         short(*weight)
     )]
     Weight {
-        /// The larger of a ray's weight and its factor.
+        /// The larger of a ray's weight and the factor of the weight.
         weight: f64,
     },
-    /// The camera transform is not affine, or no motion leads from one transform to the other.
+    /// The camera transform is not affine, or its motion is not defined.
     #[error("the camera transform {0}")]
     Transform(#[from] TransformError),
     /// The raster has no pixels.
     #[error("the image is {xres} x {yres} pixels; both must be 1 or more")]
     Raster {
-        /// Pixels across.
+        /// Number of pixel columns.
         xres: i32,
-        /// Pixels down.
+        /// Number of pixel rows.
         yres: i32,
     },
 }
@@ -233,7 +233,7 @@ pub enum CameraError {
 impl CameraError {
     /// Returns the error of film so near that it would touch the rear element.
     pub fn film_in_lens(lens: &Lens, film_distance: f64) -> Self {
-        // Avoids `-0`: a plane reaches no farther than its vertex.
+        // The subtraction avoids `-0`: a plane reaches no farther than its vertex.
         let edge = 0.0 - lens.rear().sagitta_range()[0];
         Self::FilmInLens { film_distance, edge }
     }

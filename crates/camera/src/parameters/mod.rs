@@ -1,8 +1,8 @@
 //! The parameters of a camera, as in pbrt's `ParamSet`, the C options, the command line and the builder.
 //!
-//! Values come in by name ([`Parameters::set`], which reads text) or by field. They go out typed and checked against
-//! the one table that also holds each parameter's unit, range, default, models and help. Decisions that take two or
-//! more parameters are left to the set-up.
+//! Values come in by name ([`Parameters::set`], which also reads text) or by field. They are returned with
+//! their types and checked against the table that also holds each parameter's unit, range, default, models
+//! and help. Decisions that depend on two or more parameters are left to the set-up.
 
 mod error;
 mod named;

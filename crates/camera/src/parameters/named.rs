@@ -1,7 +1,8 @@
-//! The values of parameters that choose among names, each with its one list of names, the default first.
+//! The values of parameters that are chosen by name. Each type has a single list of names, with the default
+//! first.
 //!
-//! Display writes the name that users write; `FromStr` reads it. [`DiskMapping`], [`Refraction`], [`Shutter`] and
-//! [`Precision`] have their lists where they are defined.
+//! `Display` writes the name that users write, and `FromStr` reads it. The lists of [`DiskMapping`],
+//! [`Refraction`], [`Shutter`] and [`Precision`] are in the modules that define these types.
 
 use std::{fmt, mem::discriminant, str::FromStr};
 
@@ -13,7 +14,7 @@ use super::{
 use crate::{model::Model, placement::shutter::Shutter, plan::Precision, sampling::DiskMapping};
 use realistic_optics::{lens::refraction::Refraction, prescription::Coating};
 
-/// The region in which a ray's second point is sampled.
+/// The region of the lens in which the second point of a ray is sampled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Pupil {
     /// The true pupil of each film point.
@@ -31,20 +32,21 @@ impl Pupil {
         [("warped", Self::Warped), ("rear", Self::Rear), ("disk", Self::Disk)];
 }
 
-/// The measure of a ray's weight.
+/// The kind of weight that a ray receives.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Weighting {
-    /// A cos⁴θ'/Z²: the mean over lens samples is film irradiance for unit radiance.
+    /// A cos⁴θ'/Z²: the mean weight over lens samples is the film irradiance for unit scene radiance.
     #[default]
     Radiometric,
-    /// The assignment's cos⁴/Z²: radiometric over an area that depends on neither film point nor film. For the rear
-    /// element this is the area of its clear aperture; if a larger disk is sampled so that no ray of the film is
-    /// missed, the weight compensates for that. For the exit pupil's disk and for the warped pupil, whose area varies,
-    /// it is the area of the paraxial exit pupil.
+    /// The assignment's cos⁴/Z²: the radiometric weight divided by an area that depends neither on the film
+    /// point nor on the film. For the rear element, this is the area of its clear aperture; if a larger disk
+    /// is sampled so that no ray of the film is missed, the weight compensates for the enlargement. For the
+    /// exit pupil's disk, and for the warped pupil, whose area varies, it is the area of the paraxial exit
+    /// pupil.
     Assignment,
-    /// Radiometric over its mean on the axis.
+    /// The radiometric weight divided by its mean on the axis.
     Relative,
-    /// 1 for a ray that gets through.
+    /// Weight 1 for every ray that passes the lens.
     None,
 }
 
@@ -58,10 +60,10 @@ impl Weighting {
     ];
 }
 
-/// The transmission of a lens's surfaces that a ray's weight includes.
+/// The coatings whose transmission a ray's weight includes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Transmission {
-    /// All light is transmitted.
+    /// The surfaces transmit all light.
     #[default]
     None,
     /// Transmission of uncoated surfaces.
@@ -87,7 +89,8 @@ impl Transmission {
         ("file", Self::File),
     ];
 
-    /// Returns the coating of all surfaces; `None` if nothing is lost at them or each has its own.
+    /// Returns the coating that all surfaces share; `None` if the surfaces lose no light or each has its own
+    /// coating.
     pub fn of_all(self) -> Option<Coating> {
         match self {
             Self::None | Self::File => None,
@@ -99,29 +102,30 @@ impl Transmission {
     }
 }
 
-/// The part that moves to focus.
+/// The part that moves when the camera is focused.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FocusBy {
     /// The film, behind a lens that does not move.
     #[default]
     Film,
-    /// The lens's own groups, along its positions, with the film at the lens file's distance.
+    /// The lens's own groups, which move along the positions of the lens file; the film stays at the lens
+    /// file's distance.
     Group,
 }
 
 impl FocusBy {
-    /// Both with their names.
+    /// Both choices with their names.
     pub const NAMES: [(&'static str, Self); 2] = [("film", Self::Film), ("group", Self::Group)];
 }
 
 /// The plane in which the thin lens of a projection lies. The two planes differ by the distance `hither`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LensPlane {
-    /// The plane of the eye, z = 0. A ray through the lens meets the near plane at a distance of (F - hither)/F of its
-    /// lens point from the central ray: pbrt 1.05.
+    /// The plane of the eye, z = 0, as in pbrt 1.05. In the near plane, a ray's distance from the central ray
+    /// is (F - hither)/F times that of its lens point.
     #[default]
     Eye,
-    /// The near plane itself, where rays begin: older versions of pbrt, and the lecture's slide.
+    /// The near plane itself, where rays begin, as in older versions of pbrt and on the lecture's slide.
     Hither,
 }
 
@@ -130,7 +134,7 @@ impl LensPlane {
     pub const NAMES: [(&'static str, Self); 2] = [("eye", Self::Eye), ("hither", Self::Hither)];
 }
 
-/// Reads and writes an enum by the names in its `NAMES`.
+/// Implements reading and writing an enum by the names in its `NAMES`.
 macro_rules! named {
     ($($choice:ty),*) => {$(
         impl Setting for $choice {
@@ -150,7 +154,7 @@ macro_rules! named {
     )*};
 }
 
-/// Makes `Display` and `FromStr` of an enum of this crate by the same names.
+/// Implements `Display` and `FromStr`, by the same names, for an enum of this crate.
 macro_rules! shown {
     ($($choice:ty),*) => {$(
         impl fmt::Display for $choice {
@@ -178,7 +182,7 @@ fn name<T>(names: &[(&'static str, T)], own: &T) -> &'static str {
 named![Model, FocusBy, Pupil, Transmission, Weighting, LensPlane, DiskMapping, Refraction, Shutter];
 shown![Model, FocusBy, Pupil, Transmission, Weighting, LensPlane, DiskMapping, Shutter];
 
-/// A precision, or `None` for "auto".
+/// Setting for a precision, with `None` for "auto".
 impl Setting for Option<Precision> {
     const KIND: Kind = Kind::Text;
     const RANGE: Range = Range::Names(&names(&Precision::NAMES));
@@ -200,7 +204,7 @@ fn find<T: Setting + Copy>(list: &[(&str, T)], given: &str) -> Result<T, Unknown
     choice.ok_or_else(|| UnknownName { given: given.to_owned(), known: T::RANGE.in_words("") })
 }
 
-/// Returns the choice from a list that a value of parameter `name` makes.
+/// Returns the choice from a list that the value of parameter `name` selects.
 fn choose<T: Setting + Copy>(
     list: &[(&str, T)],
     name: &'static str,

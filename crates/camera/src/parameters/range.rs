@@ -1,4 +1,4 @@
-//! Ranges of values: the numbers or names that a parameter takes, and their description in words.
+//! Ranges of values: the numbers or names that a parameter accepts, and their description in words.
 
 use std::ops::{
     Bound::{self, Excluded, Included},
@@ -7,10 +7,10 @@ use std::ops::{
 
 use realistic_base::message::{quoted, short};
 
-/// The values that a parameter takes.
+/// The values that a parameter accepts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Range {
-    /// Every value of its kind.
+    /// Every value of the parameter's kind.
     Any,
     /// Numbers in an interval.
     Numbers(Interval),
@@ -25,9 +25,10 @@ pub struct Interval {
     pub from: Bound<f64>,
     /// The upper end.
     pub to: Bound<f64>,
-    /// Whether numbers are used in single precision, so that the rounded number must lie between the ends, too.
+    /// Whether numbers are used in single precision, so that the rounded number, too, must lie in the
+    /// interval.
     single: bool,
-    /// Meaning of 0, its lower end.
+    /// Meaning of the value 0, which is the lower end.
     zero: &'static str,
 }
 
@@ -51,7 +52,7 @@ impl Interval {
         Self { single: true, ..self }
     }
 
-    /// Returns this interval with a meaning of 0, its lower end.
+    /// Returns this interval with a description of the meaning of 0, which is the lower end.
     pub(super) const fn where_zero_is(self, zero: &'static str) -> Self {
         Self { zero, ..self }
     }
@@ -75,7 +76,7 @@ impl Interval {
             (Included(0.0), Excluded(_)) => format!("0{zero} or more and finite"),
             (Included(0.0), Included(to)) => format!("0{zero} or more, up to {}", short(to)),
             (Included(from), Included(to) | Excluded(to)) => {
-                // An end next to 0 exists only for the arithmetic.
+                // A lower end just above 0 exists only for the arithmetic, so words say "positive".
                 let positive = if from > 0.0 && from < 1e-9 { "positive, " } else { "" };
                 let less_than = if matches!(self.to, Excluded(_)) { "less than " } else { "" };
                 format!("{positive}from {} to {less_than}{}", short(from), short(to))

@@ -21,19 +21,19 @@ use realistic_optics::{lens::refraction::Refraction, prescription::glass::VALID_
 pub struct Parameter {
     /// The name in every language.
     pub name: &'static str,
-    /// Spellings of pbrt and of the course assignment, which scenes and `--param` may also use.
+    /// Spellings of pbrt and of the course assignment, which scenes and `--param` accept, too.
     pub aliases: &'static [&'static str],
-    /// The kind of value that it takes.
+    /// The kind of value that the parameter accepts.
     pub kind: Kind,
-    /// The unit of its numbers; empty for none.
+    /// The unit of the numbers; empty for none.
     pub unit: &'static str,
-    /// The values of its kind that it takes.
+    /// The values of that kind that the parameter accepts.
     pub range: Range,
-    /// The default value, or in words where it comes from; empty for none.
+    /// The default value, or words that state its origin; empty for none.
     pub default: &'static str,
-    /// The models that use it; other models warn that they do not.
+    /// The models that use the parameter; other models warn that they do not.
     pub models: &'static [Model],
-    /// Its meaning, in one sentence.
+    /// The meaning of the parameter, in one sentence.
     pub help: &'static str,
 }
 
@@ -43,7 +43,7 @@ impl Parameter {
         iter::once(self.name).chain(self.aliases.iter().copied())
     }
 
-    /// Returns meaning, range with unit, and default in one line.
+    /// Returns the meaning, the range with its unit, and the default in one line.
     pub fn description(&self) -> String {
         let mut text = self.help.to_owned();
         let range = self.range.in_words(self.unit);
@@ -92,27 +92,29 @@ const NEAR: I = NOT_NEGATIVE.single();
 const FAR: I = I::between(0.0, f64::INFINITY).single();
 const TIME: I = I::FINITE.single();
 const WAVELENGTH: I = I::between(*VALID_WAVELENGTHS.start(), *VALID_WAVELENGTHS.end());
-/// From an electron's size to that of the known universe; beyond, a ray's origin could leave the range of floats.
+/// Ranges from the size of an electron to that of the known universe; beyond it, a ray's origin could leave
+/// the range of floats.
 const MM_PER_UNIT: I = I::between(1e-15, 1e30);
 const PIXELS: I = NOT_NEGATIVE.where_zero_is("exact");
 const LEAF_SHARE: I = I::new(Excluded(0.0), Included(0.5));
 const SLIT_SHARE: I = I::new(Excluded(0.0), Included(1.0));
 const ANGLE: I = I::new(Included(1e-4), Excluded(180.0)).single();
-/// Farthest reach of a screen window, and largest lens: products of floats stay floats.
+/// Largest coordinate of a screen window and largest lens radius; within these limits, products of floats
+/// stay in range.
 const LARGEST_SIDE: f64 = 1e15;
 const SIDE: I = I::between(-LARGEST_SIDE, LARGEST_SIDE);
 const ASPECT: I = I::between(1.0 / LARGEST_SIDE, LARGEST_SIDE);
 const RADIUS: I = I::between(0.0, LARGEST_SIDE).where_zero_is("a pinhole");
 const BLADES: I = I::between(0.0, 32.0).where_zero_is("a round stop");
 const TURN: I = I::FINITE;
-/// Offsets beyond leave the range of single precision squared.
+/// Larger offsets would leave the range of single precision when squared.
 const OFFSET: I = I::between(-LARGEST_SIDE, LARGEST_SIDE);
 const TILT: I = I::between(-80.0, 80.0);
 const STOPS: I = I::between(-100.0, 100.0);
 const SHARE: I = I::between(0.0, 1.0);
 const ANY: I = I::between(f64::NEG_INFINITY, f64::INFINITY);
 
-/// Makes the table, the structure of values and their accessors.
+/// Generates the table, the structure of values and its accessors.
 macro_rules! parameters {
     ({} $($field:ident $(or $($alias:literal)+)?: $type:tt $(in $range:ident)?, $unit:tt, $how:tt $default:literal, $models:ident, $help:literal;)*) => {
         /// Every parameter, in the order in which help texts list them.
@@ -127,11 +129,11 @@ macro_rules! parameters {
             help: $help,
         },)*];
 
-        /// The values that a caller gave; `None` keeps the default. They are checked when a camera is built.
+        /// The values that a caller gave; `None` means the default. They are checked when a camera is built.
         #[derive(Clone, Debug, Default, PartialEq)]
         pub struct Parameters {
             $(#[doc = $help] pub $field: Option<$type>,)*
-            /// The aliases by which parameters were set.
+            /// The aliases under which parameters were given.
             #[doc(hidden)]
             pub by_alias: Vec<&'static str>,
         }
@@ -183,13 +185,14 @@ macro_rules! parameters {
 /// A precision, or `None` for "auto".
 pub type RequestedPrecision = Option<Precision>;
 
-/// Calls `$make` with `$first` and the rows of the table. The rows generate the table itself and the structure of
-/// values (here), the methods of the builder (`camera/builder.rs`), the C options (`abi/options.rs`), and by a test the
-/// options in the header, the Python package's types and the table of docs/parameters.md.
+/// Calls `$make` with `$first` and the rows of the table. The rows generate the table itself and the
+/// structure of values (here), the methods of the builder (`camera/builder.rs`), and the C options
+/// (`abi/options.rs`). A test generates from them the options in the header, the Python package's types and
+/// the table of docs/parameters.md.
 ///
-/// A row: the name, perhaps aliases, and the type, perhaps with an interval; the unit; `=` a default of that type,
-/// or `or` words for where the value comes from; the models and the help. The C options follow this order, so once a
-/// version is released, new rows go to the end.
+/// A row consists of the name, optionally with aliases; the type, optionally with an interval; the unit; `=`
+/// and a default of that type, or `or` and words that state where the value comes from; the models; and the
+/// help. The C options follow the order of the rows, so once a version is released, new rows go to the end.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! for_each_parameter {
@@ -248,7 +251,7 @@ macro_rules! for_each_parameter {
 }
 for_each_parameter! { parameters {} }
 
-/// Words of other programs, in lower case, and the parameters that they mean.
+/// Words that other programs use, in lower case, and the parameters that they mean.
 const OTHER_WORDS: [(&str, &str); 24] = [
     ("fstop", "fnumber"),
     ("fno", "fnumber"),
@@ -287,12 +290,12 @@ impl Parameters {
         Self::find(name).expect("the name comes from the table")
     }
 
-    /// Returns the rows of the parameters that are given.
+    /// Returns the rows of the parameters that the caller gave.
     pub fn given(&self) -> impl Iterator<Item = &'static Parameter> {
         PARAMETERS.iter().filter(|row| self.is_set(row.name))
     }
 
-    /// Returns the measure of a ray's weight, given under either of its two names, or the default.
+    /// Returns the weighting, which has two parameter names, or the default.
     ///
     /// # Errors
     /// Both names are given.
@@ -306,10 +309,10 @@ impl Parameters {
         }
     }
 
-    /// Checks that the camera is a model of a real lens.
+    /// Checks that the camera's model is a real lens.
     ///
     /// # Errors
-    /// It is another model.
+    /// The camera has another model.
     pub fn require_lens(&self) -> Result<(), ParameterError> {
         match self.model() {
             Model::Lens => Ok(()),
@@ -326,8 +329,8 @@ impl Parameters {
         PARAMETERS.iter().flat_map(Parameter::names)
     }
 
-    /// Returns the name that an unknown one probably means: the same letters, another program's word for it,
-    /// or a similar spelling.
+    /// Returns the known name that an unknown one probably means: a name with the same letters, the name for
+    /// another program's word, or a name with a similar spelling.
     pub fn nearest(name: &str) -> Option<&'static str> {
         let letters = name.replace(['-', '_', ' '], "").to_ascii_lowercase();
         let is_same = |own: &&str| own.replace('_', "") == letters;
@@ -352,8 +355,9 @@ impl Parameters {
     /// Sets one parameter by name or alias.
     ///
     /// # Errors
-    /// The name is unknown, the value is of another kind, NaN or an unknown name, or the parameter was already given
-    /// under its other name. If it is given again under the same name, the last value wins.
+    /// The name is unknown; the value is of another kind, NaN or an unknown name; or the parameter was
+    /// already given under its other name. If a parameter is given again under the same name, the last value
+    /// wins.
     pub fn set(&mut self, name: &str, value: Value<'_>) -> Result<(), ParameterError> {
         let row = Self::find(name).ok_or_else(|| Self::unknown(name))?;
         let second = row.names().find(|own| *own == name).expect("a name of this row");
@@ -472,7 +476,7 @@ mod tests {
             assert!(!names[..i].contains(name), "{name}");
         }
         for row in PARAMETERS {
-            // pbrt's style has no underscores, and so have the scenes that exist.
+            // pbrt's style has no underscores, and neither have existing scenes.
             let plain = row.name.replace('_', "");
             assert!(row.names().all(|name| Parameters::find(name) == Some(row)));
             assert!(plain == row.name || row.aliases.contains(&plain.as_str()), "{}", row.name);

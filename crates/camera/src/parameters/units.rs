@@ -1,4 +1,4 @@
-//! The units of lengths that a scene gives: those of camera space, and their length in the world.
+//! The units of the lengths in a scene: the unit of camera space in millimetres, and its length in the world.
 
 use std::fmt;
 
@@ -14,11 +14,13 @@ pub struct Units {
 }
 
 impl Units {
-    /// Largest relative change of lengths that single-precision rounding of a rigid transform explains.
+    /// Largest relative change of lengths that can be explained by rounding a rigid transform to single
+    /// precision.
     const ROUNDING: f64 = 1e-4;
 
-    /// Returns units of `mm` millimetres under a camera transform that makes each of them `axial_scale` world units
-    /// along the axis. A scale within rounding of 1 counts as 1.
+    /// Returns the units for a camera space whose unit is `mm` millimetres, under a camera transform that
+    /// makes this unit `axial_scale` world units long along the axis. A scale that differs from 1 only by
+    /// rounding counts as 1.
     pub fn new(mm: f64, axial_scale: f64) -> Self {
         let scales = (axial_scale - 1.0).abs() > Self::ROUNDING;
         Self { mm, per_world_unit: if scales { axial_scale.recip() } else { 1.0 } }
@@ -29,8 +31,8 @@ impl Units {
         self.per_world_unit != 1.0
     }
 
-    /// Describes the unit of a `focus_distance` that the lens cannot reach, and the value to give if another unit was
-    /// meant.
+    /// Describes the unit of a `focus_distance` that is too near for the lens, and the value to give if
+    /// another unit was meant.
     pub(super) fn of_focus(&self, distance: f64) -> String {
         let given = as_given(distance);
         let unit = format!("\"focus_distance\" {given} is in units of camera space");

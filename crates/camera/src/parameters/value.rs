@@ -1,4 +1,5 @@
-//! Values that a host gives to parameters: by kind, from text, and converted to the parameter's type.
+//! The values that a host gives to parameters: their kinds, reading them from text, and converting them to
+//! the parameter's type.
 
 use super::{error::ParameterError, range::Range};
 use realistic_base::message::{as_given, cut};
@@ -42,8 +43,8 @@ pub enum Value<'a> {
 }
 
 impl<'a> Value<'a> {
-    /// Reads a text as a value of a kind, four numbers with commas between them; the text itself if it is no such
-    /// value.
+    /// Reads a text as a value of a kind, with commas between four numbers; returns the text itself if it is
+    /// not such a value.
     pub(super) fn from_text(kind: Kind, text: &'a str) -> Self {
         let value = match kind {
             Kind::Float => text.parse().ok().map(Value::Float),
@@ -65,7 +66,7 @@ impl<'a> Value<'a> {
         }
     }
 
-    /// Returns the error of a parameter that takes another kind.
+    /// Returns the error of a value whose kind the parameter does not accept.
     pub(super) fn refused(self, name: &'static str, kind: Kind) -> ParameterError {
         let given = match self {
             Value::Float(number) => format!("the number {}", as_given(number)),
@@ -79,9 +80,9 @@ impl<'a> Value<'a> {
 
 /// A type of parameter values.
 pub(super) trait Setting: Sized {
-    /// The kind of value that it is converted from.
+    /// The kind of value from which the type is converted.
     const KIND: Kind;
-    /// The values of that kind that are accepted.
+    /// The accepted values of that kind.
     const RANGE: Range = Range::Any;
 
     /// Converts a value of parameter `name`.
@@ -91,7 +92,7 @@ pub(super) trait Setting: Sized {
     fn of(name: &'static str, value: Value<'_>) -> Result<Self, ParameterError>;
 }
 
-/// A parameter type of the kind [`Kind::Text`], written as text: the inverse of reading it.
+/// A parameter type of the kind [`Kind::Text`] that can be written as the text from which it is read.
 pub trait Written {
     /// Returns the text that converts to this value.
     fn written(&self) -> String;

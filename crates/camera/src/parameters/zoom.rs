@@ -9,14 +9,14 @@ use realistic_base::message::as_given;
 /// The zoom of a lens.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Zoom {
-    /// This focal length, mm, positive and finite, between those of its positions.
+    /// A focal length, mm, positive and finite, between the focal lengths of the lens's positions.
     FocalLength(f64),
     /// The zoom position of this name.
     Position(String),
 }
 
-/// A number is a focal length. So is a text that reads as a finite number, with or without "mm" behind it; any other
-/// text is a name.
+/// Converts a number to a focal length, and likewise a text that reads as a finite number, with or without
+/// "mm" after it; any other text is the name of a position.
 impl Setting for Zoom {
     const KIND: Kind = Kind::Text;
 

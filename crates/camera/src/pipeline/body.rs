@@ -17,11 +17,11 @@ use realistic_optics::{
 use realistic_simd::{Cpu, Lanes};
 use realistic_trace::kernel::{End, KernelScalar};
 
-/// The parts of a camera on both sides of the lens.
+/// The parts of a camera on both sides of the lens: film and sampler behind it, pose in front of it.
 #[derive(Clone, Debug)]
 pub struct CameraBody {
     pub film_side: FilmSide,
-    /// Factor of a ray's weight, times cos⁴ and the slope area per sample; `None` for weight 1.
+    /// Factor from the product of cos⁴ and the slope area per sample to a ray's weight; `None` for weight 1.
     pub weight: Option<f64>,
     /// Coatings of the surfaces, from the scene on, if weights include the lens's transmission.
     pub coatings: Option<Arc<[SurfaceCoating]>>,
@@ -30,17 +30,18 @@ pub struct CameraBody {
 }
 
 impl CameraBody {
-    /// Returns the film's side in a precision.
+    /// Returns the sampling of the film in the precision `S`.
     pub fn film_sampling<S: KernelScalar>(&self) -> FilmSampling<S> {
         FilmSampling::new(&self.film_side)
     }
 
-    /// Whether a film ray has no point of the unit disk because the mapping requests another lens sample.
+    /// Whether a film ray lacks a point of the unit disk because the mapping requests another lens sample.
     pub fn requests_redraw(&self, disk: [f64; 2]) -> bool {
         self.film_side.mapping == DiskMapping::Rejection && disk.iter().any(|x| x.is_nan())
     }
 
-    /// Returns the reason why a film ray of the direct path gives no ray; `trace` goes through the lens.
+    /// Returns the reason why a film ray of the direct path gives no ray; `trace` traces a ray through the
+    /// lens.
     pub fn why_none<T>(&self, ray: FilmRays<f64>, trace: impl FnOnce(Ray) -> Result<T, Blocked>) -> Outcome {
         let FilmRays { point, disk, slopes, area_per_pi } = ray;
         if self.requests_redraw(disk) {
@@ -49,13 +50,14 @@ impl CameraBody {
         if area_per_pi.is_nan() {
             return Outcome::Blocked(Blocked::Clipped);
         }
-        // A ray within rounding of an edge may pass here.
+        // A ray within rounding of an edge may be blocked in the camera's tracer but pass here.
         let traced = trace(film_ray(point, self.film_side.z, slopes));
         Outcome::Blocked(traced.err().unwrap_or(Blocked::Clipped))
     }
 
-    /// Returns a ray behind the lens in the world, with its weight; `None` if either is out of range. `share` is the
-    /// remaining share of its light over the probability of its path.
+    /// Returns the world-space ray, with its weight, of a film ray that `ray` continues in front of the lens;
+    /// `None` if the ray or the weight is out of range. `share` is the remaining fraction of the ray's light
+    /// divided by the probability of its path.
     pub fn world_ray(
         &self,
         film_ray: &FilmRays<f64>,
@@ -71,7 +73,7 @@ impl CameraBody {
         is_valid.then_some((ray, weight.max(f32::MIN_POSITIVE)))
     }
 
-    /// Returns the whole body in a precision.
+    /// Returns the whole body in the precision `S`.
     pub fn lane_body<S: KernelScalar>(&self) -> LaneBody<S> {
         LaneBody {
             film: self.film_sampling(),
@@ -82,27 +84,29 @@ impl CameraBody {
     }
 }
 
-/// [`CameraBody`] for lanes of a precision. The type does not depend on the lens's tracer, so that code for it is
-/// compiled once.
+/// A [`CameraBody`] for lanes of one precision. The type does not depend on the lens's tracer, so that code
+/// for it is compiled once.
 pub struct LaneBody<S> {
     pub film: FilmSampling<S>,
     /// z of the film, lens space, mm.
     pub film_z: f64,
-    /// Factor of a ray's weight, times cos⁴ and the slope area over π per sample; `None` for weight 1. The sampler
-    /// divides areas by π, so that a disk's area is its radius squared; this factor contains the π.
+    /// Factor from the product of cos⁴ and the slope area per sample, divided by π, to a ray's weight; `None`
+    /// for weight 1. The sampler divides areas by π, so that a disk's area is its radius squared; this factor
+    /// contains the π.
     pub weight: Option<S>,
     pub to_world: ToWorld<S>,
 }
 
 impl<S: KernelScalar> LaneBody<S> {
-    /// Returns the weights of rays that represent these areas, and the rays that have one.
+    /// Returns the weights of rays, given the slope area that each represents, and the mask of the rays that
+    /// have a weight.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn weights<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, end: &End<L>, area_per_pi: L) -> (L, L::Mask) {
         let End { passed, cos2, left, .. } = *end;
-        // False for NaN.
+        // This comparison is false for NaN.
         let passed = L::both(passed, area_per_pi.less_equal(area_per_pi));
         let weight = match self.weight {
-            // The weight of a ray that passes must not underflow to that of a blocked ray.
+            // The weight of a ray that passes must not underflow to 0, the weight of a blocked ray.
             Some(weight) => ((cos2 * cos2) * ((area_per_pi * left) * L::splat(cpu, weight)))
                 .larger(L::splat(cpu, S::from_f64(f32::MIN_POSITIVE.into()))),
             None => L::splat(cpu, S::ONE),

@@ -1,4 +1,4 @@
-//! Compiles the chosen [`Tracing`], with the camera's body, to a tracer.
+//! Compiles the chosen [`Tracing`], together with the camera's body, to a tracer.
 
 use std::sync::Arc;
 
@@ -40,7 +40,7 @@ pub fn compile(
     }
 }
 
-/// Returns the tracer of all surfaces.
+/// Returns the tracer that intersects every surface.
 fn exact(precision: Precision, lens: &Lens, kernels: &Kernels<'_>, body: &CameraBody) -> Arc<dyn LensTracer> {
     match precision {
         Precision::F64 => through(lens, kernels.double(), body),
@@ -63,7 +63,8 @@ fn through<S: KernelScalar + Send + Sync>(
     }
 }
 
-/// Returns the tracer of polynomials for the film's rays; the `whole` lens traces points beyond.
+/// Returns the tracer that uses polynomials for rays from the film; points outside the range of the fit are
+/// traced by `whole`, the tracer of the whole lens.
 fn polynomials<S: KernelScalar + Send + Sync>(
     fit: &Polynomial,
     body: &CameraBody,

@@ -1,5 +1,5 @@
-//! Turns samples into rays that leave the film, in lanes of either precision: raster point to film point, lens sample
-//! to the unit disk, and the disk to the pupil.
+//! Turns samples into rays that leave the film, in lanes of either precision. It maps raster points to film
+//! points, lens samples to the unit disk, and the unit disk to the pupil.
 
 use std::{ops::RangeInclusive, sync::Arc};
 
@@ -20,17 +20,18 @@ use realistic_trace::kernel::KernelScalar;
 /// A film and its pupil, ready for sampling in the precision `S`.
 #[derive(Clone, Debug)]
 pub struct FilmSampling<S> {
-    /// Position of the axis from the raster's corner, right and down, mm; that of the film's centre if the film is
-    /// tilted or curved.
+    /// Position of the axis relative to the raster's corner, to the right and down, mm; for tilted or curved
+    /// film, the position of the film's centre.
     axis: [S; 2],
     pixel: S,
     mapping: DiskMapping,
     pupil: LanePupilSampler<S>,
-    /// The wavelengths at which there are rays, nm, where rays have wavelengths of their own.
+    /// The range of wavelengths, nm, at which there are rays; `None` if rays have no wavelengths of their
+    /// own.
     wavelengths: Option<[S; 2]>,
 }
 
-/// [`PupilSampler`] with the constants of the precision.
+/// A [`PupilSampler`] with the constants of the precision.
 #[derive(Clone, Debug)]
 enum LanePupilSampler<S> {
     Disk(LaneDisk<S>),
@@ -49,7 +50,7 @@ pub struct SampleLanes<L> {
 }
 
 impl<L: Lanes> SampleLanes<L> {
-    /// Loads a vector of samples from the one numbered `at` on.
+    /// Loads a vector of samples, from sample `at` on.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn load(cpu: Cpu<L>, samples: &Samples<'_>, at: usize) -> Self {
         let image = [samples.load(cpu, 0, at), samples.load(cpu, 1, at)];
@@ -82,7 +83,8 @@ impl<S: KernelScalar> FilmSampling<S> {
         }
     }
 
-    /// Adds wavelengths of rays, nm, within `range`, and the true pupil at every wavelength, if that is sampled.
+    /// Adds the range of the rays' wavelengths, nm, and the true pupil at every wavelength, if that is
+    /// sampled.
     pub fn spectral(self, pupil: Option<SpectralPupil>, range: &RangeInclusive<f32>) -> Self {
         let wavelengths = Some([range.start(), range.end()].map(|end| S::from_f64((*end).into())));
         let pupil = pupil.map(|pupil| {
@@ -92,8 +94,8 @@ impl<S: KernelScalar> FilmSampling<S> {
         Self { pupil: pupil.unwrap_or(self.pupil), wavelengths, ..self }
     }
 
-    /// Returns the film rays of `U` vectors of samples, side by side, so that one's look-ups overlap another's
-    /// arithmetic.
+    /// Returns the film rays of `U` vectors of samples. The vectors are processed side by side, so that the
+    /// table look-ups of one overlap the arithmetic of another.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn lanes<L: Lanes<Scalar = S>, const U: usize>(
         &self,
@@ -128,7 +130,8 @@ impl<S: KernelScalar> FilmSampling<S> {
         rays
     }
 
-    /// Returns the film ray of one sample, at a wavelength, nm, if rays have wavelengths of their own.
+    /// Returns the film ray of one sample, at the wavelength `wavelength`, nm, if rays have wavelengths of
+    /// their own.
     pub fn one(&self, sample: &Sample, wavelength: Option<f32>) -> FilmRays<f64> {
         let none = [f64::NAN; 2];
         let mut ray = FilmRays { point: none, disk: none, slopes: none, area_per_pi: f64::NAN };
@@ -136,22 +139,22 @@ impl<S: KernelScalar> FilmSampling<S> {
         ray
     }
 
-    /// Returns film rays without their slopes and areas.
+    /// Returns film rays whose slopes and areas are not set yet.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn unaimed<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, samples: &SampleLanes<L>) -> FilmRays<L> {
         let (point, disk) = (self.point(cpu, samples.image), self.mapping.lanes(cpu, samples.lens));
         FilmRays { point, disk, slopes: disk, area_per_pi: point[0] }
     }
 
-    /// [`Film::point`](crate::sampling::film::Film::point).
+    /// Computes [`Film::point`](crate::sampling::film::Film::point) in lanes.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn point<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, [x, y]: [L; 2]) -> [L; 2] {
         let pixel = L::splat(cpu, self.pixel);
         [x.neg_mul_add(pixel, L::splat(cpu, self.axis[0])), y.mul_sub(pixel, L::splat(cpu, self.axis[1]))]
     }
 
-    /// Returns the square of a sample's film radius, mm², as [`FilmRays::radius_squared`] computes it in lanes of any
-    /// width.
+    /// Returns the square of a sample's film radius, mm², with the same bits as [`FilmRays::radius_squared`]
+    /// in lanes of any width.
     pub fn radius_squared(&self, sample: &Sample) -> S {
         let point = self.point(Portable::cpu(), lane(sample, None).image);
         let ray = FilmRays { point, disk: point, slopes: point, area_per_pi: point[0] };
@@ -168,7 +171,7 @@ fn lane<S: KernelScalar>(sample: &Sample, wavelength: Option<f32>) -> SampleLane
     SampleLanes { image: [x, y], lens: [u, v], wavelength }
 }
 
-/// Makes one film ray with the processor's own fused multiplications.
+/// Makes one film ray with the processor's own fused multiply-add instructions.
 struct OneFilmRay<'a, S> {
     film: &'a FilmSampling<S>,
     sample: &'a Sample,

@@ -1,15 +1,15 @@
-//! Ghosts in a camera's rays: a share of the lens samples follows paths with two reflections, and the rest the direct
-//! path, each with its probability in the weight.
+//! Ghosts in a camera's rays: a share of the lens samples follows paths with two reflections, the rest
+//! follows the direct path, and each weight accounts for the probability of its path.
 //!
-//! The lens sample u chooses: below the share a pair of surfaces, above it the direct path. After each choice the
-//! remaining interval of u is stretched to [0, 1] again and is the sample's u from there on. So no further random
-//! number is needed, and samples that differ in their film points alone, as those of a pbrt host and of ray
-//! differentials, choose alike.
+//! The lens sample u selects the path: below the share a path of a pair of surfaces, above it the direct
+//! path. After each selection, the interval of u that led to it is stretched to [0, 1] and gives the u of the
+//! following steps. So no further random number is needed, and samples that differ only in their film points,
+//! as those of a pbrt host and of ray differentials do, select the same path.
 //!
-//! The direct path is the camera's own tracer. Ghosts are traced one ray at a time in double precision: the direct path
-//! gets their samples without an image point and makes no rays of them, and their rays are written afterwards. At
-//! wavelengths of their own a ghost's indices and the reflectances of its coatings are exactly those of the ray's
-//! wavelength.
+//! The direct path is traced by the camera's own tracer. Ghosts are traced one ray at a time in double
+//! precision: the direct tracer receives the samples of ghosts with NaN image points, for which it makes no
+//! rays, and the rays of the ghosts are written afterwards. For rays with wavelengths of their own, the
+//! refractive indices and the reflectances of the coatings are exactly those at the ray's wavelength.
 
 use std::{ops::RangeInclusive, sync::Arc};
 
@@ -30,28 +30,28 @@ use realistic_optics::{
     trace::{Blocked, Ray},
 };
 
-/// The path of a sample.
+/// The path that a sample follows.
 enum GhostChoice {
-    /// The direct path, for this sample.
+    /// The direct path, for this sample with its stretched u.
     Direct(Sample),
-    /// The path of a pair of surfaces.
+    /// The path with reflections at a pair of surfaces.
     Ghost(PairChoice),
 }
 
 /// Makes the rays of a camera's ghosts.
 #[derive(Debug)]
 pub struct GhostRays {
-    /// Share of the samples.
+    /// Share of the samples that follow ghost paths.
     share: f64,
     ghosts: FilmGhosts,
-    /// The disk that holds all rays through the rear surface.
+    /// The disk that contains all rays through the rear surface.
     cover: PupilDisk,
-    /// The body of the camera; its rays have weights.
+    /// The camera's body; the rays of its film have weights.
     body: CameraBody,
 }
 
 impl GhostRays {
-    /// Prepares ghosts for a share of the samples, more than 0.
+    /// Prepares ghosts for a share of the samples, which is greater than 0.
     pub fn new(share: f64, ghosts: FilmGhosts, cover: PupilDisk, body: &CameraBody) -> Self {
         Self { share, ghosts, cover, body: body.clone() }
     }
@@ -67,12 +67,13 @@ impl GhostRays {
         GhostChoice::Direct(Sample { lens_u, ..*sample })
     }
 
-    /// Returns the weight of a direct ray; it is larger as there are fewer.
+    /// Returns the weight of a direct ray, divided by the share of direct rays.
     fn direct(&self, weight: f32) -> f32 {
         ((f64::from(weight) / (1.0 - self.share)) as f32).clamp(f32::MIN_POSITIVE, f32::MAX)
     }
 
-    /// Returns the film ray of a sample along a pair's path. It has no area if the sample requests another one.
+    /// Returns the film ray of a sample along a pair's path. The ray's area is NaN if the sample requests
+    /// another lens sample.
     fn film_ray(&self, sample: &Sample, pair: &PairChoice) -> FilmRays<f64> {
         let side = &self.body.film_side;
         let point = side.film.point(sample.image_x.into(), sample.image_y.into());
@@ -87,8 +88,8 @@ impl GhostRays {
         }
     }
 
-    /// Returns the ray of a sample along a pair's path. `trace` goes from the film ray to the ray in front of the lens
-    /// and its transmission.
+    /// Returns the ray of a sample along a pair's path. `trace` traces the film ray and returns the ray in
+    /// front of the lens and its transmission.
     fn ray(
         &self,
         sample: &Sample,
@@ -108,8 +109,8 @@ impl GhostRays {
         self.ray(sample, pair, |ray| self.ghosts.trace(pair, ray))
     }
 
-    /// Returns the reason why a sample of a ghost has no ray, with `trace` as in [`GhostRays::ray`]; `None` for a
-    /// sample of the direct path.
+    /// Returns the reason why a sample of a ghost has no ray, with `trace` as in [`GhostRays::ray`]; `None`
+    /// if the sample follows the direct path.
     pub fn why_none(
         &self,
         sample: &Sample,
@@ -129,9 +130,9 @@ impl GhostRays {
         self.ghosts.trace(pair, ray)
     }
 
-    /// Returns the share of ghost samples that get through, over all pairs and the film.
+    /// Returns the share of ghost samples that pass the lens, over all pairs and the whole film.
     pub fn acceptance(&self) -> f64 {
-        // Fewer samples through many surfaces: the share is only for a message.
+        // Lenses with many surfaces get fewer samples; the result only appears in a message.
         const SAMPLES: [usize; 2] = [64, 2048];
         const WORK: usize = 400_000;
         let samples = (WORK / self.ghosts.work_per_ray()).clamp(SAMPLES[0], SAMPLES[1]) as u32;
@@ -147,11 +148,12 @@ impl GhostRays {
     }
 }
 
-/// A camera's own tracer, with a share of the samples for ghosts.
+/// The camera's own tracer, with a share of the samples traced as ghosts.
 pub struct GhostTracer {
     direct: Arc<dyn LensTracer>,
     ghosts: Arc<GhostRays>,
-    /// If rays have wavelengths of their own: the paths and the range of wavelengths, nm.
+    /// The lens paths at any wavelength and the range of wavelengths, nm; `None` if rays have no wavelengths
+    /// of their own.
     paths: Option<(Arc<SpectralPaths>, RangeInclusive<f32>)>,
 }
 
@@ -199,7 +201,7 @@ impl Tracer for GhostTracer {
             }
             for i in (0..count).filter(|&i| requested.column(0)[i].is_nan()) {
                 let sample = samples.get(first + i);
-                // Chosen again: a choice takes far less time than the path.
+                // Repeats the selection, which takes far less time than tracing the path.
                 if let GhostChoice::Ghost(pair) = self.ghosts.choose(&sample) {
                     part.put(i, self.ghost(&sample, &pair, samples.wavelength(first + i)));
                 }

@@ -1,6 +1,7 @@
-//! The thick and the thin lens in lanes: from principal plane to principal plane at equal height, with the slope
-//! changed by height/f (Kolb, Mitchell and Hanrahan 1995, §3.2), like [`FirstOrder::transfer`] for one ray; one matrix
-//! does all three steps.
+//! The thick and the thin lens in lanes. A ray continues from principal plane to principal plane at equal
+//! height, and its slope changes by height/f (Kolb, Mitchell and Hanrahan 1995, §3.2), as in
+//! [`FirstOrder::transfer`] for one ray. One matrix combines the way from the film, the refraction, and the
+//! way to the front vertex plane.
 
 use std::sync::Arc;
 
@@ -25,9 +26,9 @@ pub fn ideal_tracer(lens: &FirstOrder, body: &CameraBody) -> Arc<dyn Tracer> {
 /// double precision, so that single precision adds no avoidable rounding.
 struct IdealLens {
     film_z: f64,
-    /// Coefficients from height and from slope (mm) to height.
+    /// Coefficients from height and from slope (mm) to the resulting height.
     height: [f32; 2],
-    /// Coefficients from height (1/mm) and from slope to slope.
+    /// Coefficients from height (1/mm) and from slope to the resulting slope.
     slope: [f32; 2],
 }
 

@@ -23,28 +23,31 @@ use crate::{
 use realistic_simd::{Available, Cpu, Lanes};
 use realistic_trace::kernel::{Group, Grouping, InVectors, KernelScalar, Optics, from_plane, in_vectors};
 
-/// A camera compiled for a precision and for a tracer: a kernel's table, with or without a wavelength per ray,
-/// polynomials, or an ideal lens. The number of samples in a call does not change any bit of the results.
+/// A camera compiled for one precision and one tracer: a kernel's table of surfaces (with or without a
+/// wavelength per ray), polynomials, or an ideal lens. The number of samples in a call does not change any
+/// bit of the results.
 pub struct Pipeline<S, O> {
     body: LaneBody<S>,
     lens: O,
     simd: Available,
-    /// The tracer for film points outside the range of `lens`, and the square of the radius, mm², at which they begin.
+    /// The tracer for film points outside the range of `lens`, and the square of the film radius, mm², beyond
+    /// which it is used.
     beyond: Option<(Arc<dyn LensTracer>, S)>,
 }
 
 impl<S: KernelScalar, O: Optics<S>> Pipeline<S, O> {
-    /// Returns a pipeline whose lens accepts rays from anywhere on film.
+    /// Returns a pipeline whose lens accepts rays from every film point.
     pub fn new(body: LaneBody<S>, lens: O, simd: Available) -> Self {
         Self { body, lens, simd, beyond: None }
     }
 
-    /// Limits the lens to rays from within a radius on film, mm; another tracer traces those from beyond.
+    /// Limits the lens to rays from film points within the radius `reach`, mm; `beyond` traces rays from
+    /// farther out.
     pub fn within(self, reach: f64, beyond: Arc<dyn LensTracer>) -> Self {
         Self { beyond: Some((beyond, S::from_f64(reach * reach))), ..self }
     }
 
-    /// Traces samples again whose film points lie beyond the lens's range.
+    /// Traces again the samples whose film points lie outside the lens's range.
     #[cold]
     fn trace_beyond(&self, samples: &Samples<'_>, rays: &mut Rays<'_>) {
         let Some((beyond, most)) = &self.beyond else { return };
@@ -80,18 +83,18 @@ where
     }
 }
 
-/// One call: the samples, and the columns of their world rays.
+/// The state of one call: the samples, and the columns of their world rays.
 struct PipelinePass<'a, 'b, 'c, S, O> {
     pipeline: &'a Pipeline<S, O>,
     samples: &'a Samples<'b>,
     rays: &'a mut Rays<'c>,
-    /// Whether there have been film points outside the lens's range.
+    /// Whether any film point lay outside the lens's range.
     has_left_range: bool,
 }
 
 impl<S: KernelScalar, O: Optics<S>> PipelinePass<'_, '_, '_, S, O> {
-    /// Returns the film rays of `U` vectors, from the sample numbered `first` on. Rays from beyond the lens's range
-    /// have no area.
+    /// Returns the film rays of `U` vectors, from sample `first` on. Rays from outside the lens's range get a
+    /// NaN area.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn film_rays<L: Lanes<Scalar = S>, const U: usize>(
         &mut self,
@@ -108,7 +111,7 @@ impl<S: KernelScalar, O: Optics<S>> PipelinePass<'_, '_, '_, S, O> {
         if let Some((_, most)) = &self.pipeline.beyond {
             let most = L::splat(cpu, *most);
             for ray in &mut rays {
-                // False for NaN, which has no ray in any case.
+                // This comparison is false for NaN, which has no ray in any case.
                 let is_beyond = most.less(ray.radius_squared());
                 if L::bits(is_beyond) != 0 {
                     self.has_left_range = true;
@@ -120,7 +123,7 @@ impl<S: KernelScalar, O: Optics<S>> PipelinePass<'_, '_, '_, S, O> {
         (rays, wavelengths)
     }
 
-    /// Takes film rays into the lens, up to the surfaces that a group of vectors crosses side by side.
+    /// Traces film rays into the lens, up to the surfaces that a group of vectors traverses side by side.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn enter<L: Lanes<Scalar = S>>(
         &self,
@@ -132,8 +135,8 @@ impl<S: KernelScalar, O: Optics<S>> PipelinePass<'_, '_, '_, S, O> {
         lens.enter(cpu, wavelength, from_plane(cpu, lens.approach(), body.film_z, ray.point, ray.slopes))
     }
 
-    /// Computes the weights of rays, transforms them to the world and stores them in the caller's columns, from index
-    /// `at` on.
+    /// Computes the weights of rays, transforms the rays to the world and stores them in the caller's
+    /// columns, from index `at` on.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn finish<L: Lanes<Scalar = S>>(
         &mut self,

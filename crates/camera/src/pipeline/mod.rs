@@ -1,4 +1,4 @@
-//! From samples to world rays: the same loop for one ray and for a million.
+//! From samples to world rays; one ray and a million rays use the same loop.
 //!
 //! # The path of a ray
 //!
@@ -12,11 +12,12 @@
 //! loop, `PipelinePass::group`, for each precision, vector width and instruction set. Each iteration takes up to four SIMD
 //! vectors of samples to finished rays:
 //!
-//! 1. **Film and pupil** (`film_sampling`). With s mm per pixel the film point is x = (xres/2 - imageX) s, y = (imageY -
-//!    yres/2) s; the signs cancel the inversion by the lens. The disk mapping sends (u, v) to the unit disk, the pupil
-//!    mapping from there to slopes dx/dz and dy/dz. J is its Jacobian determinant: a sample represents the slope area π J.
-//! 2. **Lens**, by the trait `Optics`: the table of surfaces, where rays may carry a wavelength, their light or both;
-//!    polynomials; or an ideal lens (`ideal`).
+//! 1. **Film and pupil** (`film_sampling`). With s mm per pixel, the film point is x = (xres/2 - imageX) s, y
+//!    = (imageY - yres/2) s; the signs cancel the inversion of the image by the lens. The disk mapping takes
+//!    (u, v) to the unit disk; the pupil mapping takes the disk to slopes dx/dz and dy/dz. J is the Jacobian
+//!    determinant of the pupil mapping: a sample represents the slope area π J.
+//! 2. **Lens**, through the trait `Optics`, by one of three tracers: the table of surfaces, where rays may
+//!    carry a wavelength, their light or both; polynomials; or an ideal lens (`ideal`).
 //! 3. **Finish**. The irradiance at a film point is E = ∫ L cos⁴θ d(slopes), θ being the angle to the axis at the film
 //!    (Kolb, Mitchell and Hanrahan 1995, equation 2). The weight is the one-sample Monte Carlo estimate of E, divided by L:
 //!
@@ -24,27 +25,29 @@
 //!    w = f T π J cos⁴θ
 //!    ```
 //!
-//!    With `transmission`, T is the share of its light that the ray still carries; otherwise T = 1. The parameter `weighting`
-//!    sets f: 1 for `radiometric`; 1/A for `assignment`, where A is the area of the rear clear aperture if that is sampled,
-//!    else of the exit pupil; the reciprocal of E on the axis for `relative`. `none` sets w = 1. A valid ray's w is at
-//!    least `f32::MIN_POSITIVE`; w = 0 marks a rejected sample. The camera-to-world transform is applied, and
+//!    With `transmission`, T is the fraction of its light that the ray still carries; otherwise T = 1. The
+//!    parameter `weighting` selects f: 1 for `radiometric`; for `assignment` 1/A, where A is the area of the
+//!    rear clear aperture if that is sampled, and otherwise the area of the exit pupil; for `relative` the
+//!    reciprocal of E on the axis. `none` sets w = 1. The w of a valid ray is at least `f32::MIN_POSITIVE`;
+//!    w = 0 marks a rejected sample. Finally the camera-to-world transform is applied, and
 //!    [`Rays::store`](crate::rays::Rays) writes the result to the output columns.
 //!
 //! # Other tracers
 //!
-//! `walk` traces one ray at a time with a named refraction method, such as Heckbert's. `stock` implements pbrt's stock
-//! cameras, which have no lens file. `ghosts` assigns a fraction of the samples to paths with two reflections; it gives the
-//! direct tracer NaN image coordinates for them, which every tracer rejects. The block path does the same for samples taken
-//! while the shutter is closed. `spectral` builds the data for rays with wavelengths on first use. `compile` builds the
-//! tracers that the plan selects.
+//! `walk` traces one ray at a time with a named refraction method, such as Heckbert's. `stock` implements
+//! pbrt's stock cameras, which have no lens file. `ghosts` assigns a fraction of the samples to paths with
+//! two reflections; it passes these samples to the direct tracer with NaN image coordinates, which every
+//! tracer rejects. The tracing in blocks does the same for samples taken while the shutter is closed.
+//! `spectral` builds the data for rays with wavelengths on first use. `compile` builds the tracers that the
+//! plan selects.
 //!
 //! # Types
 //!
 //! | type | is |
 //! |---|---|
-//! | [`Sample`](crate::Sample), [`WorldRay`](crate::WorldRay) | one, as pbrt's |
-//! | [`Samples`](crate::Samples), [`Rays`](crate::Rays) | one, or a caller's columns |
-//! | `Columns`, `FourRays` | internal columns, up to 128 and four |
+//! | [`Sample`](crate::Sample), [`WorldRay`](crate::WorldRay) | one sample, one ray, with pbrt's layout |
+//! | [`Samples`](crate::Samples), [`Rays`](crate::Rays) | one sample or ray, or a caller's columns of them |
+//! | `Columns`, `FourRays` | internal columns, of up to 128 elements and of four rays |
 //! | `SampleLanes` | a vector of samples |
 //! | `FilmRays` | rays at the film |
 //! | `Start`, `RayLanes`, `End` | rays before, between and after the surfaces |

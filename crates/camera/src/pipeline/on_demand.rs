@@ -1,6 +1,6 @@
-//! A lazily built value that survives `fork`: one thread makes it while the others wait, once per process, and without
-//! a lock that a forked process could inherit. A child process inherits memory but not the thread that makes the value,
-//! so it makes its own.
+//! A lazily built value that survives `fork`. Within a process, one thread builds the value once while the
+//! others wait, without a lock that a forked process could inherit. A child process inherits the memory but
+//! not the thread that builds the value, so the child builds its own.
 
 use std::{
     fmt, process,
@@ -12,22 +12,23 @@ use std::{
     time::Duration,
 };
 
-/// Depth of nested forks, each during construction of the value, up to which no process has to wait.
+/// Number of nested forks, each during construction of the value, up to which no process has to wait for an
+/// inherited construction.
 const GENERATIONS: usize = 3;
-/// Time between two checks whether another thread has made the value.
+/// Interval at which a waiting thread checks whether another thread has built the value.
 const PAUSE: Duration = Duration::from_micros(100);
 
 /// A lazily built value.
 pub struct OnDemand<T> {
     attempts: [Attempt<T>; GENERATIONS],
-    /// The value of processes of later generations, which wait for any inherited construction.
+    /// The value for processes of later generations, which wait for any inherited construction.
     last: OnceLock<T>,
 }
 
-/// A slot for the value, and the id of the only process that may fill it; 0 if unclaimed.
+/// A slot for the value, and the id of the only process that may fill the slot; 0 if unclaimed.
 struct Attempt<T> {
     process: AtomicU32,
-    /// The value, set by one thread of that process, so that no thread ever waits for the cell.
+    /// The value; only one thread of that process sets it, so that no thread ever waits for this cell.
     value: OnceLock<T>,
 }
 
@@ -37,14 +38,14 @@ impl<T> OnDemand<T> {
         Self { attempts: [const { Attempt::new() }; GENERATIONS], last: OnceLock::new() }
     }
 
-    /// Returns the value, if it has been made.
+    /// Returns the value if it has been built.
     #[inline]
     pub fn get(&self) -> Option<&T> {
         let value = self.attempts.iter().find_map(|attempt| attempt.value.get());
         value.or_else(|| self.last.get())
     }
 
-    /// Returns the value; calls `make` if it has not been made.
+    /// Returns the value; calls `make` if the value has not been built.
     #[inline]
     pub fn get_or_make(&self, make: impl FnOnce() -> T) -> &T {
         self.get().unwrap_or_else(|| self.made(make))
@@ -58,7 +59,7 @@ impl<T> OnDemand<T> {
                 match attempt.process.compare_exchange(0, own, Relaxed, Relaxed) {
                     Ok(_) => return attempt.fill(make),
                     Err(process) if process == own => thread::sleep(PAUSE),
-                    // Claimed by the parent process, which was forked during construction.
+                    // The slot is claimed by the parent process, which was forked during construction.
                     Err(_) => break,
                 }
                 if let Some(value) = attempt.value.get() {
@@ -75,7 +76,7 @@ impl<T> Attempt<T> {
         Self { process: AtomicU32::new(0), value: OnceLock::new() }
     }
 
-    /// Makes the value; called by the one thread that may.
+    /// Builds the value; only the thread that holds the claim calls this.
     fn fill(&self, make: impl FnOnce() -> T) -> &T {
         /// Releases the claim if this thread panics, so that another may try.
         struct Release<'a>(&'a AtomicU32);

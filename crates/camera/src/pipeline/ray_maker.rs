@@ -19,12 +19,12 @@ use crate::{
 pub struct RayMaker {
     /// Traces the rays of single calls.
     one: Arc<dyn Tracer>,
-    /// Traces batches: the same tracer, unless a tolerance allows a faster one.
+    /// Traces batches with the same tracer, unless a tolerance allows a faster one.
     many: Arc<dyn Tracer>,
     placement: Placement,
-    /// Start and end of all rays; `None` if the tracer writes those of each.
+    /// Start and end common to all rays; `None` if the tracer writes start and end of each ray.
     range: Option<[f32; 2]>,
-    /// Traces rays at wavelengths of their own; `None` if wavelengths change nothing.
+    /// Traces rays with wavelengths of their own; `None` if wavelengths do not change the rays.
     spectral: Option<Arc<Spectral>>,
 }
 
@@ -34,12 +34,13 @@ impl RayMaker {
         Self { one, many, placement, range, spectral: None }
     }
 
-    /// Makes the rays depend on wavelengths.
+    /// Makes the rays depend on their wavelengths.
     pub fn set_spectral(&mut self, spectral: Spectral) {
         self.spectral = Some(Arc::new(spectral));
     }
 
-    /// Returns the tracer of rays at wavelengths of their own, if wavelengths matter.
+    /// Returns the tracer of rays with wavelengths of their own; `None` if wavelengths do not change the
+    /// rays.
     pub fn spectral(&self) -> Option<&Spectral> {
         self.spectral.as_deref()
     }
@@ -49,32 +50,32 @@ impl RayMaker {
         &self.placement
     }
 
-    /// Whether there are rays at a wavelength, nm.
+    /// Whether the camera has rays at a wavelength, nm.
     pub fn has_wavelength(&self, wavelength: f32) -> bool {
         self.spectral().map_or(&WAVELENGTHS, Spectral::range).contains(&wavelength)
     }
 
-    /// Whether the tracer handles wavelengths itself, or all wavelengths of the samples have rays. The columns are
-    /// slices.
+    /// Whether the tracer checks wavelengths itself, or there are rays at all wavelengths of the samples. The
+    /// columns are slices.
     pub fn has_all(&self, samples: &Samples<'_>) -> bool {
         let is_inside = |all, nm: &f32| all & WAVELENGTHS.contains(nm);
         self.spectral().is_some() || samples.column(WAVELENGTH).iter().fold(true, is_inside)
     }
 
-    /// Whether four rays take less time in one call than in four.
+    /// Whether tracing four rays in one call takes less time than in four calls.
     pub fn gains_by_four(&self) -> bool {
         self.one.gains_by_four()
     }
 
-    /// Returns the ray of a sample with its weight, positive; `None` for a blocked sample.
+    /// Returns the ray of a sample and its weight, which is positive; `None` for a blocked sample.
     pub fn ray(&self, sample: &Sample) -> Option<(WorldRay, f32)> {
         let (mut ray, mut weight) = Default::default();
         self.trace(Entry::One, &Samples::of(sample), &mut Rays::of(&mut ray, &mut weight));
         (weight > 0.0).then_some((ray, weight))
     }
 
-    /// Makes a ray of each sample. The columns are slices. Wavelengths are ignored if they do not change the camera's
-    /// rays.
+    /// Makes a ray for each sample. All columns are slices. Wavelengths are ignored if they do not change the
+    /// camera's rays.
     #[inline(always)]
     pub fn trace(&self, entry: Entry, samples: &Samples<'_>, rays: &mut Rays<'_>) {
         match (self.spectral(), entry) {

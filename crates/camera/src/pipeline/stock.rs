@@ -11,7 +11,8 @@ use realistic_trace::kernel::{Grouping, InVectors, in_vectors};
 
 /// A projection that makes a camera-space ray with a unit direction from a sample.
 pub trait View: Send + Sync {
-    /// Makes the rays in lanes. Without a ray, or with one beyond single precision, the numbers are not those of a ray.
+    /// Makes the rays in lanes. The numbers of a lane are not those of a valid ray if its sample has no ray
+    /// or one beyond single precision.
     fn lanes<L: Lanes<Scalar = f32>>(&self, cpu: Cpu<L>, samples: &SampleLanes<L>) -> RangedRays<L>;
 }
 
@@ -38,7 +39,7 @@ impl<V: View> Tracer for StockTracer<V> {
     }
 }
 
-/// One call: the samples, and the columns of their world rays.
+/// The state of one call: the samples, and the columns of their world rays.
 struct StockPass<'a, 'b, 'c, V> {
     camera: &'a StockTracer<V>,
     samples: &'a Samples<'b>,

@@ -8,11 +8,12 @@ use crate::{
     sampling::film_rays::FilmRays,
 };
 
-/// A camera model compiled for one method of tracing: turns samples into world rays. The columns of samples and rays are
-/// slices.
+/// A camera model compiled for one method of tracing, which makes world rays from samples. The columns of
+/// samples and rays are slices.
 pub trait Tracer: Send + Sync {
-    /// Writes origin, direction and weight of each sample's ray, and its range if the model determines that. For a
-    /// blocked ray it writes only the weight, 0. The number of samples does not change any bit.
+    /// Writes the origin, direction and weight of each sample's ray, and the ray's range if the model
+    /// determines it. For a blocked ray, only the weight 0 is written. The number of samples does not change
+    /// any bit.
     fn trace(&self, samples: &Samples<'_>, rays: &mut Rays<'_>);
 
     /// Whether the tracer writes the ranges of rays. Otherwise the range is the camera's clip range.
@@ -20,7 +21,7 @@ pub trait Tracer: Send + Sync {
         false
     }
 
-    /// Whether four rays take less time side by side than one after the other.
+    /// Whether tracing four rays side by side takes less time than tracing them one after the other.
     fn gains_by_four(&self) -> bool {
         true
     }
@@ -28,7 +29,8 @@ pub trait Tracer: Send + Sync {
 
 /// A [`Tracer`] of rays that leave a film.
 pub trait LensTracer: Tracer {
-    /// Returns the film ray of a sample, at a wavelength, nm, if rays have wavelengths of their own.
+    /// Returns the film ray of a sample, at the wavelength `wavelength`, nm, if rays have wavelengths of
+    /// their own.
     fn film_ray(&self, sample: &Sample, wavelength: Option<f32>) -> FilmRays<f64>;
 }
 

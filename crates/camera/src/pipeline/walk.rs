@@ -1,4 +1,5 @@
-//! The lens traced surface after surface by a named method of refraction: one ray at a time, sampled in double precision.
+//! The lens traced surface by surface with a named method of refraction, one ray at a time; the film and the
+//! pupil are sampled in double precision.
 
 use super::{
     body::CameraBody,
@@ -20,13 +21,13 @@ use realistic_optics::{
 pub struct WalkTracer<R> {
     film: FilmSampling<f64>,
     path: Path<R>,
-    /// The light of the rays, if weights include the lens's transmission.
+    /// The path with the light of the rays, if weights include the lens's transmission.
     lit: Option<LitPath>,
     body: CameraBody,
 }
 
 impl<R: Real> WalkTracer<R> {
-    /// Prepares the camera; `path` leads from the film to the scene through `lens`.
+    /// Prepares the camera; `path` is the path from the film to the scene through `lens`.
     pub fn new(path: Path<R>, lens: &Lens, body: &CameraBody) -> Self {
         let lit = body
             .coatings

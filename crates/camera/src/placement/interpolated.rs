@@ -1,19 +1,20 @@
-//! A moving camera's transform at each ray's time, in lanes: the interpolation of [`Moving`] without a quaternion per
-//! ray.
+//! The transform of a moving camera at each ray's time, in lanes: the interpolation of [`Moving`], but
+//! without computing a quaternion per ray.
 //!
-//! With a the fraction of the motion's duration, h half the angle between the two rotations R0 and R1 and k the axis of
-//! R0⁻¹ R1, the great arc between the quaternions is R(a) = R0 (I + 2 sin ha cos ha K + 2 sin² ha K²), K v = k × v (O. Rodrigues
-//! 1840). With the stretch (1 - a) S0 + a S1 the transform is a sum of six matrices that are known beforehand,
+//! Let a be the fraction of the motion's duration, h half the angle between the two rotations R0 and R1, k
+//! the axis of R0⁻¹ R1, and K the matrix with K v = k × v. The great arc between the quaternions is R(a) = R0
+//! (I + 2 sin ha cos ha K + 2 sin² ha K²) (O. Rodrigues 1840). With the stretch (1 - a) S0 + a S1, the
+//! transform is a sum of six matrices that are known beforehand,
 //!
 //! M(a) = Σ f(a) M, f = 1 - a, a, (1 - a) sc, a sc, (1 - a) ss, a ss, with sc = sin ha cos ha, ss = sin² ha,
 //!
-//! and no term is larger than the sum by more than a rotation's entries. Sine and cosine are Taylor series in a², ha <=
-//! π/2; their terms alternate and shrink, so that the truncation error is less than the first omitted term. The series
-//! stop at an eighth of a rounding error: at most 11 terms each in double precision, 7 in single, fewer for a small
-//! turn.
+//! and no term exceeds the sum by more than a factor of a rotation's entries. Sine and cosine are Taylor
+//! series in a², with ha <= π/2; their terms alternate in sign and shrink, so that the truncation error is
+//! less than the first omitted term. The series end where a term is below an eighth of a rounding error:
+//! after at most 11 terms each in double precision and 7 in single, fewer for a small rotation.
 //!
-//! Against the spherical interpolation in double precision, entries are within sixteen machine epsilons of the largest one: 3.6e-15 in
-//! double precision, 1.9e-6 in single (tested).
+//! Entries differ from those of the spherical interpolation in double precision by at most sixteen machine
+//! epsilons of the largest entry: 3.6e-15 in double precision, 1.9e-6 in single (tested).
 
 use glam::{DMat3, DVec3};
 
@@ -25,24 +26,25 @@ use super::{
 use realistic_simd::{Compiled, Cpu, Lanes};
 use realistic_trace::kernel::KernelScalar;
 
-/// The transform of a moving camera; its linear part is divided by a scale.
+/// The transform of a moving camera; the linear part is stored divided by a scale.
 #[derive(Clone, Debug)]
 pub struct Interpolated<S> {
     shutter: [f32; 2],
     start: S,
     duration: S,
-    /// Position of the origin at both ends.
+    /// Position of the camera-space origin at both ends of the motion.
     origins: [[S; 2]; 3],
-    /// Coefficients of the six factors for each entry, by rows.
+    /// Coefficients of the six factors for each entry of the matrix, by rows.
     linear: [[[S; 6]; 3]; 3],
-    /// Coefficients of (sin ha)/a and cos ha in powers of a², the highest first.
+    /// Coefficients of (sin ha)/a and cos ha as polynomials in a², the highest power first.
     sine: Box<[S]>,
     cosine: Box<[S]>,
     /// A power of two by which the linear part is divided.
     scale: f64,
-    /// Factor by which points are multiplied first: units of camera space per unit of the points, times the scale.
+    /// Factor by which points are multiplied first: the units of camera space per unit of the points, times
+    /// the scale.
     before: S,
-    /// Largest entries at both ends, over the scale.
+    /// Largest matrix entries at both ends of the motion, divided by the scale.
     sizes: [S; 2],
     /// Whether directions stay unit vectors up to rounding.
     is_rigid: bool,
@@ -52,9 +54,9 @@ pub struct Interpolated<S> {
 #[derive(Clone, Copy, Debug)]
 pub struct PlacedRays<L> {
     pub point: [L; 3],
-    /// Directions whose squared length is in range.
+    /// Directions, not normalised, whose squared lengths are in the number range.
     pub direction: [L; 3],
-    /// Ratio of the direction's length under the transform to the length here.
+    /// Ratio of the length that the transform gives a direction to the length of `direction`.
     pub stretch: L,
 }
 
@@ -62,12 +64,12 @@ pub struct PlacedRays<L> {
 const MOST_LANES: usize = 16;
 
 impl<S: KernelScalar> Interpolated<S> {
-    /// Prepares a motion for times in a shutter's interval, and for points of which each unit is `units` of camera
-    /// space.
+    /// Prepares a motion for times in a shutter's interval and for points whose unit is `units` units of
+    /// camera space.
     pub fn new(moving: &Moving, shutter: [f32; 2], units: f64) -> Self {
         let Moving { ends, parts: [from, to], start, duration } = moving;
         let is_rigid = ends.iter().all(|end| end.is_rigid());
-        // The scale lies between both ends, so that numbers are in range at either.
+        // The scale lies between the sizes of both ends, so that numbers are in range at either end.
         let [first, last] = ends.each_ref().map(|end| largest_entry(end.linear()));
         let scale = if is_rigid { 1.0 } else { (first * last).sqrt().log2().floor().exp2() };
         let (half, axis) = turn(from, to);
@@ -79,7 +81,7 @@ impl<S: KernelScalar> Interpolated<S> {
         let rotation = DMat3::from_quat(from.rotation);
         let (once, twice) = (rotation * cross * 2.0, rotation * cross * cross * 2.0);
         let [s0, s1] = [from.stretch, to.stretch];
-        // The first end as given, not as the product of its parts.
+        // The first end enters as given, not as the product of its parts.
         let matrices = [ends[0].linear(), rotation * s1, once * s0, once * s1, twice * s0, twice * s1];
         let entry =
             |row: usize, column: usize| matrices.map(|matrix| S::from_f64(matrix.col(column)[row] / scale));
@@ -104,8 +106,8 @@ impl<S: KernelScalar> Interpolated<S> {
         self.is_rigid
     }
 
-    /// Transforms points and directions to the world at these fractions of the shutter's interval; compiled once for
-    /// all models and groups.
+    /// Transforms points and directions to the world at the given fractions of the shutter's interval. It is
+    /// compiled once for all models and groups.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn lanes<L: Lanes<Scalar = S>>(
         &self,
@@ -120,7 +122,7 @@ impl<S: KernelScalar> Interpolated<S> {
         rays
     }
 
-    /// [`Self::lanes`] of points that have been multiplied, inlined.
+    /// Computes [`Self::lanes`], inlined, for points that have already been multiplied by the factor.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn placed<L: Lanes<Scalar = S>>(
         &self,
@@ -130,7 +132,7 @@ impl<S: KernelScalar> Interpolated<S> {
         time_numbers: &[f32],
     ) -> PlacedRays<L> {
         let (zero, one) = (L::splat(cpu, S::ZERO), L::splat(cpu, S::ONE));
-        // Exactly the times that the rays have.
+        // Computes exactly the times that the rays carry.
         let mut times = [0.0; MOST_LANES];
         for (time, number) in times[..L::WIDTH].iter_mut().zip(time_numbers) {
             *time = time_at(self.shutter, *number);
@@ -156,8 +158,8 @@ impl<S: KernelScalar> Interpolated<S> {
         if self.is_rigid {
             return PlacedRays { point, direction, stretch: one };
         }
-        // From one end to the other the length may change by many powers of ten: it is divided by a length that changes
-        // linearly.
+        // From one end of the motion to the other, lengths may change by many powers of ten, so directions
+        // are divided by a length that changes linearly.
         let [first, last] = self.sizes;
         let size = b.mul_add(L::splat(cpu, first), a * L::splat(cpu, last));
         let shorter = one / size;
@@ -183,8 +185,8 @@ impl<L: Lanes<Scalar: KernelScalar>> Compiled for Placing<'_, L> {
     }
 }
 
-/// Returns half the angle from one rotation to the other along the shorter arc, 0 to π/2, and its axis in the frame of
-/// the first; any axis if the angle is 0.
+/// Returns half the angle from one rotation to the other along the shorter arc, 0 to π/2, and the axis of
+/// this rotation in the frame of `from`; the axis is the zero vector if the angle is 0.
 fn turn(from: &MotionParts, to: &MotionParts) -> (f64, DVec3) {
     let end = if from.rotation.dot(to.rotation) < 0.0 { -to.rotation } else { to.rotation };
     let relative = from.rotation.conjugate() * end;
@@ -192,8 +194,8 @@ fn turn(from: &MotionParts, to: &MotionParts) -> (f64, DVec3) {
     (along.length().atan2(relative.w), along.normalize_or_zero())
 }
 
-/// Returns the terms of the Taylor series for the sine (from power 1) or the cosine (from power 0), the highest power
-/// first, as far as they exceed `least`.
+/// Returns the terms of the Taylor series of the sine (from power 1) or the cosine (from power 0) that exceed
+/// `least`, the highest power first.
 fn taylor<S: KernelScalar>(first: f64, half: f64, mut power: usize, least: f64) -> Box<[S]> {
     let mut terms = vec![S::from_f64(first)];
     let mut term = first;
@@ -209,7 +211,7 @@ fn taylor<S: KernelScalar>(first: f64, half: f64, mut power: usize, least: f64) 
     terms.into()
 }
 
-/// Evaluates a polynomial, coefficients of the highest power first.
+/// Evaluates a polynomial whose coefficients are given from the highest power on.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn horner<L: Lanes>(cpu: Cpu<L>, coefficients: &[L::Scalar], at: L) -> L {
     let mut value = L::splat(cpu, coefficients[0]);
@@ -219,7 +221,7 @@ fn horner<L: Lanes>(cpu: Cpu<L>, coefficients: &[L::Scalar], at: L) -> L {
     value
 }
 
-/// Returns the sum of the products of factors and numbers.
+/// Returns the sum of the products of `factors` and `numbers`.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn sum<L: Lanes>(cpu: Cpu<L>, numbers: &[L::Scalar; 6], factors: &[L; 6]) -> L {
     let mut sum = factors[5] * L::splat(cpu, numbers[5]);
@@ -281,8 +283,8 @@ mod tests {
         pairs.map(motion).into()
     }
 
-    /// Returns the largest difference from the spherical interpolation, over the largest entry and over the lengths of
-    /// the points.
+    /// Returns the largest difference from the spherical interpolation, relative to the largest entry and to
+    /// the lengths of the points.
     fn worst<S: KernelScalar>() -> f64
     where
         Portable<S, 1>: Lanes<Scalar = S>,

@@ -1,10 +1,10 @@
 //! The camera's pose in the world, its motion, and its shutter: the last step of every camera's rays.
 //!
-//! Takes rays in camera space and times as fractions of the shutter's interval, and returns rays in world space
-//! ([`Placement`]). With M the camera-to-world transform and s units of camera space per millimetre, a ray (o, d) of
-//! lens space becomes (M s o, M d/|M d|). `motion` interpolates M over time, `interpolated` does so in lanes.
-//! `to_world` does the whole transform in lanes, `single` does it with the single-precision arithmetic of pbrt's stock
-//! cameras.
+//! [`Placement`] transforms rays in camera space, with times as fractions of the shutter's interval, to rays
+//! in world space. With M the camera-to-world transform and s the units of camera space per millimetre, a ray
+//! (o, d) of lens space becomes (M s o, M d/|M d|). `motion` interpolates M over time, and `interpolated`
+//! does so in lanes. `to_world` performs the whole transform in lanes; `single` does the same with the
+//! single-precision arithmetic of pbrt's stock cameras.
 
 mod interpolated;
 pub(crate) mod motion;
@@ -24,13 +24,14 @@ use transform::CameraToWorld;
 pub(crate) use single::{RangedRays, SingleToWorld};
 pub(crate) use to_world::ToWorld;
 
-/// A camera's pose in the world, and the range along rays and of time that it sees.
+/// A camera's pose in the world, and the range of distances along rays and the interval of time that it sees.
 #[derive(Clone, Debug)]
 pub struct Placement {
     pub to_world: CameraMotion,
-    /// Start and end of rays, world units along them.
+    /// Start and end of rays, as distances along them in world units.
     pub clip: [f32; 2],
-    /// Opening and closing time of the shutter, in either order: time runs from the first to the second.
+    /// Opening and closing time of the shutter, in either order: time runs from the first value to the
+    /// second.
     pub shutter: [f32; 2],
 }
 
@@ -41,7 +42,7 @@ impl Placement {
         time_at(self.shutter, number)
     }
 
-    /// Returns the world-space ray of a ray in lens space, mm.
+    /// Returns the world-space ray of a ray in lens space (mm).
     #[inline(always)]
     pub fn world_ray(&self, ray: Ray, units_per_mm: f64, time_number: f32) -> WorldRay {
         let time = self.time(time_number);
@@ -49,12 +50,12 @@ impl Placement {
         WorldRay { origin, direction, mint: self.clip[0], maxt: self.clip[1], time }
     }
 
-    /// Returns the world-space ray from camera space's origin straight ahead.
+    /// Returns the world-space ray that starts at the origin of camera space and points straight ahead.
     pub fn axial_ray(&self, time_number: f32) -> WorldRay {
         self.world_ray(Ray { origin: [0.0; 3], direction: [0.0, 0.0, 1.0] }, 1.0, time_number)
     }
 
-    /// Adds to a plan the items of time and pose that are kept or left out.
+    /// Adds to a plan the items of time and pose that the camera keeps or leaves out.
     pub fn describe(&self, plan: &mut Plan) {
         let [open, close] = self.shutter;
         if open == close {

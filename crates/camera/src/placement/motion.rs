@@ -1,10 +1,11 @@
 //! A camera that moves while its shutter is open: two transforms, decomposed and interpolated.
 //!
-//! Interpolating the entries of two matrices shrinks a turning camera. Instead the polar decomposition M = T R S splits
-//! each matrix into a translation, a rotation and a symmetric stretch (K. Shoemake and T. Duff, "Matrix Animation and
-//! Polar Decomposition", Graphics Interface 1992). Translations and stretches are interpolated linearly, rotations
-//! along the shorter great arc of unit quaternions (K. Shoemake, "Animating Rotation with Quaternion Curves", SIGGRAPH
-//! 1985). A mirror, such as a pbrt `LookAt` contains, becomes part of the stretch, so that the rest is a rotation.
+//! Interpolating the entries of two matrices would shrink a rotating camera. Instead, the polar decomposition
+//! M = T R S splits each matrix into a translation, a rotation and a symmetric stretch (K. Shoemake and T.
+//! Duff, "Matrix Animation and Polar Decomposition", Graphics Interface 1992). Translations and stretches are
+//! interpolated linearly, rotations along the shorter great arc of unit quaternions (K. Shoemake, "Animating
+//! Rotation with Quaternion Curves", SIGGRAPH 1985). A reflection, such as the one in a pbrt `LookAt`,
+//! becomes part of the stretch, so that the remaining factor is a rotation.
 
 use std::borrow::Cow;
 
@@ -30,7 +31,7 @@ pub struct Moving {
     pub(super) duration: f64,
 }
 
-/// A decomposed transform: first the stretch, then the rotation, then the translation.
+/// A decomposed transform, which applies the stretch first, then the rotation, then the translation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MotionParts {
     pub origin: DVec3,
@@ -45,8 +46,9 @@ impl From<CameraToWorld> for CameraMotion {
 }
 
 impl CameraMotion {
-    /// Returns the motion from the transform `from` at time `start` to `to` at time `end`, which is later; the camera
-    /// is still before and after. A turn by half a circle is ambiguous; one of the two directions is taken.
+    /// Returns the motion from the transform `from` at time `start` to the transform `to` at the later time
+    /// `end`; the camera is at rest before and after. If the rotation between them is by half a turn, its
+    /// direction is ambiguous, and one of the two directions is chosen.
     ///
     /// # Errors
     /// [`TransformError::Times`] or [`TransformError::Mirrored`].
@@ -101,10 +103,10 @@ impl MotionParts {
     }
 }
 
-/// Returns the rotation of the polar decomposition of a matrix with positive determinant by Newton's iteration
-/// Q ← (γ Q + Q⁻ᵀ/γ)/2, with γ = |det Q|^(-1/3) (N. Higham, "Computing the Polar Decomposition - with Applications",
-/// *SIAM J. Sci. Stat. Comput.* 7(4), 1986; scaling by the determinant: Byers and Xu, 2008). It converges
-/// quadratically.
+/// Returns the rotation of the polar decomposition of a matrix with positive determinant, by Newton's
+/// iteration Q ← (γ Q + Q⁻ᵀ/γ)/2 with γ = |det Q|^(-1/3) (N. Higham, "Computing the Polar
+/// Decomposition - with Applications", *SIAM J. Sci. Stat. Comput.* 7(4), 1986; scaling by the determinant:
+/// Byers and Xu, 2008). The iteration converges quadratically.
 fn nearest_rotation(matrix: DMat3) -> DMat3 {
     const ENOUGH: u32 = 64;
     let mut q = matrix;
@@ -158,7 +160,7 @@ mod tests {
         for linear in [
             DMat3::from_rotation_z(2.0) * DMat3::from_diagonal(DVec3::new(3.0, 0.5, 1e-3)),
             DMat3::from_rotation_x(-1.0) * shear,
-            // A mirrored transform, as of a pbrt LookAt.
+            // A transform with a reflection, like that of a pbrt LookAt.
             DMat3::from_rotation_y(0.7) * DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0)),
             DMat3::IDENTITY * 1e-6,
         ] {

@@ -1,24 +1,27 @@
-//! The shutter S(x, t): the share of the light that it transmits to a point of the film at a time.
+//! The shutter function S(x, t): the fraction of the light that the shutter transmits to film point x at time
+//! t.
 //!
-//! Times are fractions of the interval from `shutter_open` to `shutter_close`, over which a host samples evenly. The mean
-//! of S over them, the shutter's efficiency (1 for a global one, 1 - ramp for a leaf, the slit's share for a
-//! focal-plane one), times the interval is the effective exposure time (S. F. Ray, *Applied Photographic Optics*, 3rd
-//! ed. 2002, ch. 61). If `shutter_close` is earlier, time and its fractions run backward, as in pbrt's stock cameras.
+//! Times are fractions of the interval from `shutter_open` to `shutter_close`, which a host samples
+//! uniformly. The efficiency of the shutter is the mean of S over these times: 1 for a global shutter,
+//! 1 - ramp for a leaf shutter, and the slit's share of the interval for a focal-plane shutter. The
+//! efficiency times the interval is the effective exposure time (S. F. Ray, *Applied Photographic Optics*,
+//! 3rd ed. 2002, ch. 61). If `shutter_close` is earlier than `shutter_open`, time and its fractions run
+//! backward, as in pbrt's stock cameras.
 
 /// A kind of shutter.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Shutter {
-    /// Opens and closes everywhere at once: S = 1.
+    /// A shutter that opens and closes everywhere at once: S = 1.
     #[default]
     Global,
-    /// Blades in the aperture that take the share `ramp` of the interval to open and again to close: S grows from 0 to
-    /// 1, stays there, and falls, the same for the whole film.
+    /// Blades in the aperture that open during the first fraction `ramp` of the interval and close during the
+    /// last: S grows from 0 to 1, stays at 1, and falls again, the same for the whole film.
     Leaf {
-        /// Share of the interval, in (0, 0.5].
+        /// Fraction of the interval that opening takes, in (0, 0.5]; closing takes the same time.
         ramp: f32,
     },
-    /// A slit in front of the film that travels down the picture, from its top row to its bottom row: S is
-    /// 1 while a row lies in the slit. Also the rolling shutter of an electronic sensor.
+    /// A slit in front of the film that travels down the picture, from the top row to the bottom row: S is 1
+    /// while a row lies in the slit. This is also the rolling shutter of an electronic sensor.
     FocalPlane {
         /// Share of the interval for which each row is exposed, in (0, 1].
         slit: f32,
@@ -33,8 +36,8 @@ impl Shutter {
         ("focal-plane", Self::FocalPlane { slit: 0.25 }),
     ];
 
-    /// Returns S, 0 to 1, at a film point at the fraction `down` from the picture's top to its bottom, at the fraction
-    /// `time` of the interval. Fractions outside [0, 1] are clamped.
+    /// Returns S, 0 to 1, at the fraction `time` of the interval for a film point at the fraction `down` of
+    /// the way from the picture's top to its bottom. Fractions of the interval outside [0, 1] are clamped.
     pub fn transmission(&self, down: f32, time: f32) -> f32 {
         let time = time_number(time);
         match *self {
@@ -53,7 +56,8 @@ pub fn time_number(number: f32) -> f32 {
     if number > 0.0 { number.min(1.0) } else { 0.0 }
 }
 
-/// Returns the time at a fraction of the shutter's interval, clamped to [0, 1] first. This form is exact at both ends.
+/// Returns the time at a fraction of the shutter's interval; the fraction is first clamped to [0, 1]. The
+/// formula is exact at both ends.
 #[inline(always)]
 pub fn time_at([open, close]: [f32; 2], number: f32) -> f32 {
     if open == close {

@@ -1,6 +1,7 @@
-//! The transform from camera space to world space of pbrt's stock cameras: in single precision, with each row summed
-//! from left to right, so that rays have the stock cameras' bits if the transform only turns, moves and mirrors. If it
-//! scales or shears, directions are normalised, and ranges follow.
+//! The transform from camera space to world space as in pbrt's stock cameras: in single precision, with each
+//! row summed from left to right. If the transform only rotates, translates and reflects, rays are therefore
+//! bit-identical to the stock cameras' rays. If it scales or shears, directions are normalised, and ranges
+//! are adjusted accordingly.
 
 use super::{
     Placement,
@@ -10,7 +11,7 @@ use super::{
 };
 use realistic_simd::{Cpu, Lanes};
 
-/// Rays with their start and end.
+/// Rays with their start and end distances.
 #[derive(Clone, Copy, Debug)]
 pub struct RangedRays<L> {
     pub origin: [L; 3],
@@ -23,7 +24,7 @@ pub struct RangedRays<L> {
 pub enum SingleToWorld {
     /// The same transform at every time.
     Still(Affine),
-    /// A transform per ray's time.
+    /// A transform for each ray's time.
     Moving(Box<Interpolated<f32>>),
 }
 
@@ -32,7 +33,7 @@ pub enum SingleToWorld {
 pub struct Affine {
     linear: [[f32; 3]; 3],
     origin: [f32; 3],
-    /// A power of two that brings the largest entry near 1; `None` if the transform preserves lengths.
+    /// A power of two that scales the largest entry close to 1; `None` if the transform preserves lengths.
     scale: Option<f32>,
 }
 
@@ -46,8 +47,8 @@ impl SingleToWorld {
         }
     }
 
-    /// Returns the world-space rays of camera-space rays with unit directions, at these fractions of the shutter's
-    /// interval.
+    /// Returns the world-space rays of camera-space rays with unit directions, at the given fractions of the
+    /// shutter's interval.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn lanes<L: Lanes<Scalar = f32>>(
         &self,
@@ -152,7 +153,7 @@ mod tests {
     fn stretched_space_keeps_unit_directions_and_scales_ranges() {
         for scale in [1e-20_f32, 0.3, 2.0, 1e14] {
             let mut rows = [0.0_f32; 16];
-            // A mirror in x, and a turn that takes z to -y.
+            // A reflection in x, and a rotation that takes z to -y.
             [rows[0], rows[6], rows[9], rows[15]] = [-scale, -scale, scale, 1.0];
             [rows[3], rows[7], rows[11]] = [5.0, 6.0, 7.0];
             let ray = placed(&rows, [0.0; 3], [0.6, 0.0, 0.8]);

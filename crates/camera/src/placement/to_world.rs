@@ -1,4 +1,4 @@
-//! Lens space to world space: the transform of the placement, in the precision and width of lanes.
+//! The transform from lens space to world space, in the precision and vector width of lanes.
 
 use glam::DMat3;
 
@@ -14,22 +14,22 @@ use realistic_trace::kernel::KernelScalar;
 /// The transform from lens space, mm, to world space, in the precision of lanes.
 #[derive(Clone, Debug)]
 pub enum ToWorld<S> {
-    /// Camera space is world space, and its unit the millimetre.
+    /// Camera space is world space, and its unit is the millimetre.
     Same,
-    /// Camera space is world space; the number is its units per millimetre.
+    /// Camera space is world space; the number is the units of camera space per millimetre.
     Scaled(S),
     /// The same transform at every time.
     Still(Box<StillTransform<S>>),
-    /// A transform per ray's time.
+    /// A transform for each ray's time.
     Moving(Box<Interpolated<S>>),
 }
 
-/// An affine transform, by its rows.
+/// An affine transform, stored by rows.
 #[derive(Clone, Debug)]
 pub struct StillTransform<S> {
     point: [[S; 4]; 3],
     direction: [[S; 3]; 3],
-    /// Whether directions come out as unit vectors up to rounding.
+    /// Whether transformed directions are unit vectors up to rounding.
     keeps_angles: bool,
 }
 
@@ -47,7 +47,7 @@ impl<S: KernelScalar> ToWorld<S> {
         }
         let (linear, origin) = (to_world.linear(), to_world.origin());
         let keeps_angles = to_world.keeps_angles();
-        // Directions that are normalised afterwards allow any scale that keeps their squares in range.
+        // If directions are normalised afterwards, any scale that keeps their squares in range is allowed.
         let scale = if keeps_angles { to_world.scale() } else { largest_entry(linear) };
         let (point, direction) = (linear * units_per_mm, linear * scale.recip());
         let row = |matrix: &DMat3, row: usize| matrix.row(row).to_array().map(S::from_f64);
@@ -62,8 +62,8 @@ impl<S: KernelScalar> ToWorld<S> {
         }))
     }
 
-    /// Returns origins and unit directions in world space of lens-space rays at these fractions of the shutter's
-    /// interval.
+    /// Returns the origins and unit directions in world space of lens-space rays, at the given fractions of
+    /// the shutter's interval.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn lanes<L: Lanes<Scalar = S>>(
         &self,
@@ -111,7 +111,7 @@ impl<S: KernelScalar> StillTransform<S> {
     }
 }
 
-/// Normalises vectors; `is_near` if they are unit vectors up to rounding.
+/// Normalises vectors; `is_near` states that they are already unit vectors up to rounding.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn made_unit<S: KernelScalar, L: Lanes<Scalar = S>>(cpu: Cpu<L>, [u, v, w]: [L; 3], is_near: bool) -> [L; 3] {
     let square = w.mul_add(w, v.mul_add(v, u * u));

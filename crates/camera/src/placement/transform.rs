@@ -3,35 +3,37 @@
 use glam::{DMat3, DVec3};
 use thiserror::Error;
 
-/// The reason why a matrix is not a camera pose; the text continues "the camera transform".
+/// The reason why a matrix is not a valid camera transform; each text continues a sentence that begins "the
+/// camera transform".
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 pub enum TransformError {
     /// An entry is NaN or infinite.
     #[error("has an entry that is not finite")]
     NotFinite,
-    /// The last row is not 0 0 0 1, and rounding does not explain it.
+    /// The last row differs from 0 0 0 1 by more than rounding.
     #[error("is not affine: its last row must be 0 0 0 1")]
     NotAffine,
     /// An entry is so large that results could leave single precision.
     #[error("has an entry above 1e15, which leaves single precision no room: scale the world")]
     TooLarge,
-    /// One axis is stretched so much more than another that little is left of the latter.
+    /// One axis is stretched so much more than another that little of the other axis's precision is left.
     #[error("is nearly singular: it stretches one axis more than 1e15 times as much as another")]
     NearlySingular,
     /// The matrix has no inverse.
     #[error("is singular: it flattens space")]
     Singular,
-    /// The second transform does not hold at a later time than the first.
+    /// The time of the second transform is not later than that of the first.
     #[error("must hold at an earlier time than its end does")]
     Times,
-    /// One transform mirrors and the other does not.
+    /// One transform contains a reflection and the other does not.
     #[error("and its end are mirror images of each other, and no motion leads from one to the other")]
     Mirrored,
 }
 
-/// An affine transform from camera space to world space. If it scales, their units differ.
+/// An affine transform from camera space to world space. If it scales, the units of the two spaces differ.
 ///
-/// It is a 3x3 matrix and a translation: no fourth coordinate is computed and nothing divided.
+/// The transform is stored as a 3x3 matrix and a translation, so no fourth coordinate is computed and there
+/// is no division.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraToWorld {
     linear: DMat3,
@@ -40,20 +42,22 @@ pub struct CameraToWorld {
     is_rigid: bool,
 }
 
-/// Deviation of a rigid transform's axes from unit length and right angles by the rounding of its single-precision
-/// entries.
+/// Largest deviation of a rigid transform's axes from unit length and right angles that rounding its entries
+/// to single precision may cause.
 const RIGID: f64 = 1e-5;
 
-/// Deviation below which directions are not normalised: they are unit vectors to 1e-6 then.
+/// Deviation below which directions are not normalised, because they are then unit vectors to within 1e-6.
 const RIGID_SINGLE: f64 = 5e-7;
 
-/// Largest entry of a matrix: squares of its results stay in the range of single precision.
+/// Largest entry of a matrix; up to this, squares of the transformed coordinates stay in the range of single
+/// precision.
 const LARGEST: f64 = 1e15;
-/// Largest ratio of the stretches of two axes.
+/// Largest ratio of the stretches along two axes.
 const FLATTEST: f64 = 1e15;
-/// Largest deviation of the last row from 0 0 0 1, by [`last_row_error`]. An affine matrix inverted in single precision
-/// by Gauss-Jordan with full pivoting deviates by 4 roundings (2.4e-7) if all axes are stretched alike, and by 2e-6 if
-/// one is stretched 1000 times as much as another.
+/// Largest deviation of the last row from 0 0 0 1, as measured by [`last_row_error`]. An affine matrix that
+/// was inverted in single precision by Gauss-Jordan elimination with full pivoting deviates by 4 roundings
+/// (2.4e-7) if all axes are stretched equally, and by 2e-6 if one axis is stretched 1000 times as much as
+/// another.
 const AFFINE: f64 = 1e-5;
 
 impl CameraToWorld {
@@ -61,11 +65,12 @@ impl CameraToWorld {
     pub const IDENTITY: Self =
         Self { linear: DMat3::IDENTITY, origin: DVec3::ZERO, is_identity: true, is_rigid: true };
 
-    /// Returns the transform of a row-major 4x4 matrix for column vectors, which may mirror and scale. A last row
-    /// within rounding of 0 0 0 1, as of a single-precision inverse, counts as 0 0 0 1.
+    /// Returns the transform of a row-major 4x4 matrix that multiplies column vectors; the matrix may reflect
+    /// and scale. A last row within rounding of 0 0 0 1, as a single-precision inverse has, counts as 0 0
+    /// 0 1.
     ///
     /// # Errors
-    /// The matrix is not an invertible affine transform with room in single precision.
+    /// The matrix is not an invertible affine transform whose results fit in single precision.
     pub fn from_rows(m: &[f32; 16]) -> Result<Self, TransformError> {
         if m.iter().any(|entry| !entry.is_finite()) {
             return Err(TransformError::NotFinite);
@@ -77,11 +82,13 @@ impl CameraToWorld {
         Self::checked(linear, origin)
     }
 
-    /// Returns the transform of a matrix given with its inverse, world space to camera space, each as in
-    /// [`CameraToWorld::from_rows`]. The caller computed one from the other in single precision and does not state which.
+    /// Returns the transform of a matrix that is given together with its inverse (world space to camera
+    /// space); both have the form of [`CameraToWorld::from_rows`]. The caller has computed one of them from
+    /// the other in single precision and does not state which.
     ///
-    /// The one whose last row is nearer to 0 0 0 1 has lost less to rounding. If that is the inverse, it is inverted
-    /// again in double precision; if both are alike, the matrix is taken bit by bit.
+    /// The matrix whose last row is nearer to 0 0 0 1 has lost less precision to rounding. If that is the
+    /// inverse, it is inverted again in double precision; if both last rows are equally near, `matrix` is
+    /// used bit for bit.
     ///
     /// # Errors
     /// The errors of [`CameraToWorld::from_rows`].
@@ -94,10 +101,10 @@ impl CameraToWorld {
         Self::checked(linear, -(linear * to_camera.origin))
     }
 
-    /// Checks a matrix and the image of the origin.
+    /// Checks the linear part and the image of the origin.
     ///
     /// # Errors
-    /// The matrix is not invertible, or leaves no room in single precision.
+    /// The matrix is not invertible, or its results do not fit in single precision.
     fn checked(linear: DMat3, origin: DVec3) -> Result<Self, TransformError> {
         let entries = linear.to_cols_array().into_iter().chain(origin.to_array());
         if entries.fold(0.0, |most, entry| entry.abs().max(most)) > LARGEST {
@@ -120,7 +127,7 @@ impl CameraToWorld {
         Ok(Self::from_parts(linear, origin))
     }
 
-    /// Returns the transform of an invertible matrix and the image of the origin.
+    /// Returns the transform with an invertible linear part and the given image of the origin.
     pub(crate) fn from_parts(linear: DMat3, origin: DVec3) -> Self {
         let is_identity = linear == DMat3::IDENTITY && origin == DVec3::ZERO;
         let is_rigid = (linear.transpose() * linear).abs_diff_eq(DMat3::IDENTITY, RIGID_SINGLE);
@@ -132,7 +139,7 @@ impl CameraToWorld {
         self.is_identity
     }
 
-    /// Whether the transform only turns, moves and mirrors, up to the rounding of its entries.
+    /// Whether the transform only rotates, translates and reflects, up to the rounding of its entries.
     pub(crate) fn is_rigid(&self) -> bool {
         self.is_rigid
     }
@@ -142,17 +149,18 @@ impl CameraToWorld {
         self.linear
     }
 
-    /// Returns the cube root of the factor by which volumes grow: the scale of lengths if the transform keeps angles.
+    /// Returns the cube root of the factor by which volumes grow; if the transform keeps angles, this is the
+    /// scale of lengths.
     pub fn scale(&self) -> f64 {
         self.linear.determinant().abs().cbrt()
     }
 
-    /// Returns world units per unit of camera space, along the optical axis.
+    /// Returns the number of world units per unit of camera space, along the optical axis.
     pub(crate) fn axial_scale(&self) -> f64 {
         self.linear.z_axis.length()
     }
 
-    /// Whether the transform only turns, moves, mirrors and scales evenly.
+    /// Whether the transform only rotates, translates, reflects and scales uniformly.
     pub(crate) fn keeps_angles(&self) -> bool {
         let linear = self.linear * self.scale().recip();
         (linear.transpose() * linear).abs_diff_eq(DMat3::IDENTITY, RIGID)
@@ -169,7 +177,7 @@ impl CameraToWorld {
         to_rows(linear, -(linear * self.origin))
     }
 
-    /// Returns the transform in the form that [`CameraToWorld::from_rows`] takes.
+    /// Returns the transform in the form that [`CameraToWorld::from_rows`] accepts.
     pub fn rows(&self) -> [f32; 16] {
         to_rows(self.linear, self.origin)
     }
@@ -194,9 +202,9 @@ fn affine_parts(m: &[f32; 16]) -> (DMat3, DVec3) {
     (linear, DVec3::new(m[3], m[7], m[11]))
 }
 
-/// Returns the last row's deviation from 0 0 0 1, relative to the rows above it: the relative change, on leaving the
-/// row out, of points as far from camera space's origin as that is from world space's, or one unit away if that is
-/// less.
+/// Returns the deviation of the last row from 0 0 0 1, relative to the rows above it. It is the relative
+/// change of a point when the last row is ignored, for points whose distance from the origin of camera space
+/// is the distance of that origin from the origin of world space, or one unit if that distance is less.
 fn last_row_error(m: &[f32; 16]) -> f64 {
     let (linear, origin) = affine_parts(m);
     let [x, y, z, w] = [m[12], m[13], m[14], m[15]].map(f64::from);
@@ -204,7 +212,7 @@ fn last_row_error(m: &[f32; 16]) -> f64 {
     (w - 1.0).abs().max(DVec3::new(x, y, z).abs().max_element() * away)
 }
 
-/// Returns the largest entry of a matrix, without its sign.
+/// Returns the largest absolute value of a matrix's entries.
 pub fn largest_entry(matrix: DMat3) -> f64 {
     matrix.to_cols_array().into_iter().fold(0.0, |most, entry| entry.abs().max(most))
 }
@@ -221,7 +229,7 @@ fn to_rows(linear: DMat3, origin: DVec3) -> [f32; 16] {
 mod tests {
     use super::*;
 
-    /// A mirror in x, scaled by 2, then a move.
+    /// A reflection in x with a scale of 2, then a translation.
     const MATRIX: [f32; 16] = [
         -2.0, 0.0, 0.0, 5.0, //
         0.0, 0.0, -2.0, 6.0, //
@@ -256,7 +264,8 @@ mod tests {
 
     #[test]
     fn a_last_row_within_rounding_is_that_of_an_affine_transform() {
-        // The last row's third entry, its fourth, and the camera's distance from world space's origin.
+        // The parameters are the last row's third entry, its fourth entry, and the camera's distance from the
+        // world origin.
         let with = |third: f32, fourth: f32, away: f32| {
             let mut rows = MATRIX;
             [rows[3], rows[14], rows[15]] = [2.0 * away, third, fourth];
@@ -277,7 +286,7 @@ mod tests {
     fn the_matrix_that_rounding_spared_is_taken() {
         let both = |matrix, inverse| CameraToWorld::from_rows_and_inverse(&matrix, &inverse);
         let exact = CameraToWorld::from_rows(&MATRIX).expect("affine");
-        // An entry that the other matrix lacks identifies each.
+        // Each matrix is identified by an entry that the other matrix lacks.
         let inverse = |x: f32, third: f32| {
             let mut rows = exact.inverse_rows();
             [rows[3], rows[14]] = [x, third];

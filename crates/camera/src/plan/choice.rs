@@ -1,9 +1,10 @@
 //! Chooses the cheapest tracing of a lens whose measured error stays below a tolerance.
 //!
-//! The search is made for rays one by one and for rays in batches. It tries the candidates from the cheapest on, each
-//! once: `evaluate` measures their errors on rays all over the film and its pupil, sampled as the camera samples them.
-//! A candidate is accepted if the upper bound of its 99.9 % quantile is below the tolerance and the sum of the weights'
-//! errors is at most a thousandth of the light.
+//! The search is made separately for rays one by one and for rays in batches. It tries the candidates in
+//! order of increasing cost, and each candidate only once: `evaluate` measures its errors on rays from all
+//! over the film and its pupil, sampled as the camera samples them. A candidate is accepted if the upper
+//! bound of the 99.9 % quantile of its errors is below the tolerance and the sum of the weights' errors is at
+//! most a thousandth of the light.
 
 use std::fmt;
 
@@ -26,20 +27,20 @@ pub enum Verdict {
     TooFarOff(TooFarOff),
     /// Rejected: the weights' errors exceed a thousandth of the light.
     WrongLight(Errors),
-    /// Not available for this lens; holds the reason.
+    /// Not available for this lens, with the reason.
     Excluded(String),
     /// Not tried, because a candidate that costs no more was chosen.
     Untried,
 }
 
-/// A tracing, its cost and its verdict.
+/// A method of tracing, with its cost and its verdict.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Candidate {
     /// The method of tracing.
     pub tracing: Tracing,
-    /// Costs through the lens, ns per ray, one by one and in batches.
+    /// Costs of a ray through the lens, ns, for rays one by one and in batches.
     pub costs: [f64; 2],
-    /// The result of trying it.
+    /// The result of trying the method.
     pub verdict: Verdict,
 }
 
@@ -48,27 +49,27 @@ pub struct Candidate {
 pub struct Choice {
     /// Tolerated error of a ray, pixels.
     pub tolerance: f64,
-    /// Every method of tracing, the exact ones last.
+    /// Every method of tracing, with the exact methods last.
     pub candidates: Vec<Candidate>,
     /// Indices of the chosen candidates, for rays one by one and in batches.
     chosen: [usize; 2],
 }
 
-/// Number of rays in a fit per monomial of the largest polynomial that may be chosen.
+/// Number of rays in a fit, per monomial of the largest polynomial that may be chosen.
 const RAYS_PER_MONOMIAL: usize = 4;
 /// Tolerated sum of the weights' errors, as a fraction of the light.
 const LIGHT: f64 = 1e-3;
-/// Factor by which polynomials must be cheaper than the exact trace. Processors of the same kind differ by about as
-/// much in their relative speed.
+/// Factor by which polynomials must be cheaper than the exact trace. The relative speeds of the two differ by
+/// about this factor between processors of the same kind.
 const MARGIN: f64 = 1.15;
 
 impl Candidate {
-    /// Cost through the lens, ns per ray.
+    /// Returns the cost of a ray through the lens, ns.
     pub fn cost(&self, entry: Entry) -> f64 {
         self.costs[entry as usize]
     }
 
-    /// Sort key of the candidates: the cost, with [`MARGIN`] on polynomials.
+    /// Returns the sort key of the candidate: the cost, with polynomials multiplied by [`MARGIN`].
     fn rank(&self, entry: Entry) -> f64 {
         let margin = if matches!(self.tracing, Tracing::Polynomials { .. }) { MARGIN } else { 1.0 };
         margin * self.cost(entry)
@@ -76,8 +77,8 @@ impl Candidate {
 }
 
 impl Choice {
-    /// Tries the candidates from the cheapest on. Returns the choice, and the tracings for rays one by one and in
-    /// batches.
+    /// Tries the candidates in order of increasing cost. Returns the choice, and the tracings for rays one by
+    /// one and in batches.
     pub fn of(task: &Task<'_>) -> (Self, [Tracing<Polynomial>; 2]) {
         let unfit = f32_is_fit(task.lens).err();
         let evaluation = Evaluation::new(task);
@@ -102,7 +103,7 @@ impl Choice {
         (Self { tolerance: task.tolerance, candidates, chosen }, chosen_tracings)
     }
 
-    /// Returns the candidate chosen for a kind of call, and its errors.
+    /// Returns the candidate chosen for a kind of call, with its errors.
     pub fn chosen(&self, entry: Entry) -> (&Candidate, Errors) {
         let candidate = &self.candidates[self.chosen[entry as usize]];
         match candidate.verdict {
@@ -179,8 +180,8 @@ impl Trial<'_> {
     }
 }
 
-/// Returns the largest order that may be tried before the exact trace, which is in single precision if the lens is
-/// `fit` for it, else in double.
+/// Returns the largest polynomial order that may be tried before the exact trace; the exact trace uses single
+/// precision if the lens is `fit` for it, and otherwise double precision.
 fn largest_order(candidates: &[Candidate], fit: bool) -> usize {
     let precision = if fit { Precision::F32 } else { Precision::F64 };
     let exact = candidates.iter().find(|candidate| candidate.tracing == Tracing::Exact(precision));
@@ -195,8 +196,9 @@ fn largest_order(candidates: &[Candidate], fit: bool) -> usize {
     orders.max().unwrap_or(1)
 }
 
-/// Lists every candidate: polynomials that test the given number of apertures, in single precision if the lens is `fit`
-/// for it, unless rays carry their light or begin on tilted or curved film; and the exact kernel in both precisions.
+/// Lists every candidate. Polynomials test the given number of apertures and use single precision if the lens
+/// is `fit` for it; there are none if rays carry their light or begin on tilted or curved film. The exact
+/// kernel is listed in both precisions.
 fn candidates(task: &Task<'_>, fit: bool, apertures: usize) -> Vec<Candidate> {
     let (simd, surfaces) = (Simd::best(), cost::in_spheres(task.lens));
     let precision = if fit { Precision::F32 } else { Precision::F64 };

@@ -1,9 +1,11 @@
-//! Costs of a ray by each method of tracing and each kind of call, so that the cheapest is tried first.
+//! Costs of a ray for each method of tracing and each kind of call; candidates are tried in order of
+//! increasing cost.
 //!
-//! The unit is nanoseconds through the lens alone. The constants are fitted to the tables of `cargo bench --bench plan`
-//! in `benches/record`, all on a machine with AVX-512; `REALISTIC_SIMD` selects AVX2 and portable code there. Only
-//! ratios matter, and these depend on the instruction set. Costs are not timed at build, because a picture would then
-//! depend on the machine's load.
+//! The unit is nanoseconds per ray through the lens alone. The constants are fitted to the tables of `cargo
+//! bench --bench plan` in `benches/record`. All were measured on a machine with AVX-512, where
+//! `REALISTIC_SIMD` selected AVX2 and portable code. Only the ratios of costs matter, and these depend on the
+//! instruction set. Costs are not measured when a camera is built, because a picture would then depend on the
+//! machine's load.
 
 use super::task::{
     Entry, Precision,
@@ -19,7 +21,8 @@ struct ExactCost {
     surface: f64,
 }
 
-/// Cost of polynomials, ns: a constant, and terms per coefficient of the ray and of the apertures.
+/// Cost of polynomials, ns: a constant, and a term each per coefficient of the ray's polynomials and of the
+/// apertures' polynomials.
 #[derive(Clone, Copy)]
 struct PolynomialCost {
     none: f64,
@@ -27,12 +30,12 @@ struct PolynomialCost {
     aperture: f64,
 }
 
-/// Cost of an asphere in spheres, roughly: 2.7 to 3.8 were measured.
+/// Approximate cost of an asphere, in units of the cost of a sphere; 2.7 to 3.8 were measured.
 const ASPHERE: usize = 3;
-/// Factor on the cost of each aperture if there are more than two.
+/// Factor on the cost of each aperture if more than two are tested.
 const CROWD: f64 = 1.6;
 
-/// Counts the surfaces of a lens, each asphere as its cost in spheres.
+/// Counts the surfaces of a lens; an asphere counts as the number of spheres that cost the same.
 pub fn in_spheres(lens: &Lens) -> usize {
     lens.surfaces.iter().map(|surface| if surface.figure.is_some() { ASPHERE } else { 1 }).sum()
 }
@@ -51,8 +54,8 @@ pub fn exact(simd: Simd, entry: Entry, precision: Precision, surfaces: usize) ->
     none + surface * surfaces as f64
 }
 
-/// Returns the cost of polynomials with `monomials` terms each that test `apertures` apertures besides the front's, ns
-/// per ray.
+/// Returns the cost of polynomials with `monomials` terms each that test `apertures` apertures besides that
+/// of the front surface, ns per ray.
 pub fn polynomials(
     simd: Simd,
     entry: Entry,

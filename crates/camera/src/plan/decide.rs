@@ -1,8 +1,9 @@
-//! Decides how rays are traced: takes a [`Task`], returns a [`Decision`], and explains it in a [`Plan`].
+//! Decides how rays are traced: computes a [`Decision`] from a [`Task`] and explains it in a [`Plan`].
 //!
-//! Without a tolerance every surface is intersected; with one, rays are traced by the cheapest method that stays within
-//! it ([`Choice`]). A plan lists what is kept and left out of tracing, of sampling ([`describe_sampling`]) and of the
-//! features that a camera builds only on request ([`describe_requests`]), each with the reason and the effect.
+//! Without a tolerance every surface is intersected; with a tolerance, rays are traced by the cheapest method
+//! that stays within it ([`Choice`]). A plan lists what is kept and what is left out in tracing, in sampling
+//! ([`describe_sampling`]) and among the features that a camera builds only on request
+//! ([`describe_requests`]), each with the reason and the effect.
 
 use std::fmt;
 
@@ -18,9 +19,9 @@ use realistic_trace::polynomial::Polynomial;
 /// One item of a plan.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Item {
-    /// Subject.
+    /// Subject of the item.
     pub what: String,
-    /// Whether the subject is kept; else it is left out.
+    /// Whether the subject is kept; otherwise it is left out.
     pub kept: bool,
     /// Reason.
     pub why: String,
@@ -78,16 +79,16 @@ impl fmt::Display for Plan {
 
 /// Outcome of planning.
 pub struct Decision {
-    /// Tracing of all rays, or of rays requested one by one if `many` is set.
+    /// The tracing of all rays or, if `many` is set, of rays requested one by one.
     pub one: Tracing<Polynomial>,
-    /// Tracing of rays in batches, if it differs from `one`.
+    /// The tracing of rays in batches, if it differs from `one`.
     pub many: Option<Tracing<Polynomial>>,
     /// Warnings to the user, one per line.
     pub warnings: Vec<String>,
 }
 
 impl Decision {
-    /// Decides, and adds to `plan` the items for tracing.
+    /// Makes the decision, and adds to `plan` the items for tracing.
     pub fn of(task: &Task<'_>, plan: &mut Plan) -> Self {
         let mut warnings = Vec::new();
         let single = task.precision == Some(Precision::F32);
@@ -127,7 +128,8 @@ impl Decision {
     }
 }
 
-/// Adds to `plan` the items that a method of tracing keeps and leaves out; `rays` names the rays it applies to.
+/// Adds to `plan` the items that a method of tracing keeps and leaves out; `rays` names the rays to which the
+/// method applies.
 fn describe(tracing: &Tracing<Polynomial>, rays: &str, task: &Task<'_>, plan: &mut Plan) {
     match tracing {
         Tracing::Exact(precision) => {
@@ -204,8 +206,8 @@ pub struct Requests {
     pub ghosts: bool,
 }
 
-/// Adds to a plan the features that are built only on request, by a call or a parameter. `realistic plan` measures what
-/// each of them saves.
+/// Adds to a plan the features that are built only on request, by a call or a parameter. The command
+/// `realistic plan` measures the time that each of them saves.
 pub fn describe_requests(requests: &Requests, plan: &mut Plan) {
     if let Some(wavelength) = requests.wavelength {
         plan.left_out(

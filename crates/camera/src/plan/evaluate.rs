@@ -1,16 +1,19 @@
 //! Measures the error of a method of tracing against the exact trace in double precision. The result is [`Errors`]
 //! or [`TooFarOff`].
 //!
-//! **Rays.** Film point and lens sample form a point of the four-dimensional unit cube, which [`stratified`] samples
-//! with one random point in each of equal cells: the points are independent, and no part of film or pupil is left out.
-//! Further sets are traced until enough rays get through.
+//! **Rays.** A film point and a lens sample together form a point of the four-dimensional unit cube.
+//! [`stratified`] divides this cube into equal cells and samples one random point in each: the points are
+//! independent, and no part of the film or the pupil is left out. Further sets of rays are traced until
+//! enough rays pass the lens.
 //!
 //! **Error of a ray.** The error is a distance on the film, in pixels
-//! ([`ImageScale::film_error`](realistic_trace::image_scale::ImageScale::film_error)), and infinite if exactly one of
-//! the lens and its model blocks the ray. The weights' errors are summed separately.
+//! ([`ImageScale::film_error`](realistic_trace::image_scale::ImageScale::film_error)); it is infinite if
+//! either the lens or its model, but not both, blocks the ray. The errors of the weights are summed
+//! separately.
 //!
-//! **Bound.** The 99.9 % quantile of the errors lies below an order statistic of the sample, with confidence
-//! ([`upper_bound`]). A model is rejected as soon as so many rays exceed the tolerance that the bound must exceed it.
+//! **Bound.** An order statistic of the sample bounds the 99.9 % quantile of the errors from above, with
+//! known confidence ([`upper_bound`]). A model is rejected as soon as so many rays exceed the tolerance that
+//! the bound must exceed it, too.
 
 use std::ops::Range;
 
@@ -38,17 +41,17 @@ use realistic_trace::{
 /// Measured errors of a method of tracing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Errors {
-    /// Upper bound of the 99.9 % quantile, pixels.
+    /// Upper bound of the 99.9 % quantile of the rays' errors, pixels.
     pub pixels: f64,
     /// Number of rays compared.
     pub rays: usize,
-    /// Number of rays that exactly one of the lens and its model lets through.
+    /// Number of rays that either the lens or its model, but not both, lets through.
     pub mismatches: usize,
-    /// Sum of the absolute errors of the weights, over the sum of the weights.
+    /// Sum of the absolute errors of the weights, divided by the sum of the weights.
     pub light: f64,
 }
 
-/// Count of the rays beyond the tolerance when a model was rejected.
+/// Number of rays beyond the tolerance at the time when a model was rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooFarOff {
     /// Number of rays beyond the tolerance.
@@ -68,16 +71,16 @@ const ENOUGH: usize = 9000;
 const MOST_SEEDS: usize = 4;
 /// Number of rays that a candidate traces before its errors are checked again.
 const PART: usize = 1024;
-/// Maximum number of apertures that polynomials test besides the front's.
+/// Maximum number of apertures that polynomials test besides that of the front surface.
 const APERTURES: usize = 4;
-/// Fraction of the rays that untested apertures may block.
+/// Fraction of the rays that apertures which are not tested may block.
 const OVERLOOKED: f64 = 5e-5;
 
-/// Reason reported if the image's scale is unknown.
+/// Reason reported if the scale of the image is unknown.
 const DARK: &str =
     "the film is dark in the middle, or so little of it lit that the image's scale cannot be measured";
 
-/// Rays at the film and their areas, as structure of arrays.
+/// Rays at the film and the areas that they represent, as a structure of arrays.
 struct EvaluationRays {
     /// x, y, dx/dz, dy/dz.
     columns: [Vec<f64>; 4],
@@ -128,7 +131,7 @@ pub(super) struct Evaluation<'a> {
     scale: ImageScale,
     rays: EvaluationRays,
     exact: RayBuffer<f64>,
-    /// Surfaces other than the front whose apertures block rays, counted from the scene.
+    /// Indices, counted from the scene, of the surfaces other than the front whose apertures block rays.
     pub blocking: Vec<usize>,
 }
 
@@ -183,9 +186,8 @@ impl<'a> Evaluation<'a> {
 
     /// Returns the errors of a model that traces the rays.
     ///
-    /// # Errors
-    /// Returns [`TooFarOff`] as soon as so many rays exceed the tolerance, pixels, that the quantile's bound must
-    /// exceed it.
+    /// Returns [`TooFarOff`] as soon as so many rays exceed the tolerance, in pixels, that the bound of the
+    /// quantile must exceed it.
     fn errors<S: KernelScalar>(
         &self,
         tolerance: f64,
@@ -195,11 +197,12 @@ impl<'a> Evaluation<'a> {
         // Single precision rounds the film points, too.
         let rounding = if S::EPSILON > f64::EPSILON { 2.0 * S::EPSILON } else { 0.0 };
         let rounding = rounding * film.reach() / film.pixel();
-        // An upper limit: rays that both block are not counted, and the bound's rank grows with the number of rays.
+        // An upper limit, because rays that both block are not counted and the bound's rank grows with the
+        // number of rays.
         let too_many = worst(self.rays.len());
         let (mut mismatches, mut light, mut wrong, mut beyond) = (0, 0.0, 0.0, 0);
         let mut errors = Vec::with_capacity(self.rays.len());
-        // Tracing in parts lets a poor model fail after the first.
+        // Traces in parts, so that a poor model is rejected after the first.
         for first in (0..self.rays.len()).step_by(PART) {
             let part = first..self.rays.len().min(first + PART);
             let model = self.rays.traced(*z, part.clone(), &trace);
@@ -236,7 +239,7 @@ impl<'a> Evaluation<'a> {
         Ok(Errors { rays, pixels, mismatches, light: wrong / light })
     }
 
-    /// Prepares the fits of polynomials of every order to the given number of rays.
+    /// Prepares fits of polynomials of every order to `rays` rays.
     pub fn fits(&self, rays: usize) -> Fits {
         let Task { lens, path, film_side, .. } = self.task;
         Fits::new(lens, path, film_side.z, &fit_rays(film_side, rays), &self.blocking)
@@ -273,10 +276,10 @@ impl<'a> Evaluation<'a> {
     }
 }
 
-/// Returns the surfaces whose apertures block more of the rays than may be overlooked.
+/// Returns the surfaces whose apertures block more rays than may be overlooked.
 fn blocking(task: &Task<'_>, rays: &EvaluationRays, exact: &RayBuffer<f64>) -> Vec<usize> {
-    /// Maximum number of blocked rays traced again, and of surfaces that they intersect in total; an asphere counts as
-    /// its cost in spheres.
+    /// Maximum number of blocked rays that are traced again, and of surfaces that these rays intersect in
+    /// total; an asphere counts as the number of spheres that cost the same.
     const RAYS: usize = 2000;
     const MEETINGS: usize = 100_000;
     let most = RAYS.min(MEETINGS / cost::in_spheres(task.lens));
@@ -290,7 +293,7 @@ fn blocking(task: &Task<'_>, rays: &EvaluationRays, exact: &RayBuffer<f64>) -> V
             counts[last + 1 - walk.surfaces_met].0 += 1;
         }
     }
-    // The front's aperture is always tested.
+    // The aperture of the front surface is always tested.
     counts.remove(0);
     counts.sort_unstable();
     let mut overlooked = OVERLOOKED * rays.len() as f64;
@@ -308,8 +311,8 @@ fn blocking(task: &Task<'_>, rays: &EvaluationRays, exact: &RayBuffer<f64>) -> V
     blocking
 }
 
-/// Samples rays for a fit. They are denser toward the edges of film and pupil, where errors of a fit are largest, like
-/// Chebyshev nodes.
+/// Samples rays for a fit. Like Chebyshev nodes, they are denser toward the edges of the film and the pupil,
+/// where the errors of a fit are largest.
 fn fit_rays(side: &FilmSide, count: usize) -> Vec<Ray> {
     use std::f64::consts::{FRAC_PI_2, TAU};
     (0..count)
@@ -326,12 +329,12 @@ fn fit_rays(side: &FilmSide, count: usize) -> Vec<Ray> {
         .collect()
 }
 
-/// Cells of the unit cube along each of its four axes.
+/// Number of cells of the unit cube along each of its four axes.
 const PER_AXIS: u32 = 11;
-/// Cells in total.
+/// Total number of cells.
 const CELLS: u32 = PER_AXIS * PER_AXIS * PER_AXIS * PER_AXIS;
 
-/// Returns a random point in each cell of the four-dimensional unit cube; another seed gives other points.
+/// Returns a random point in each cell of the four-dimensional unit cube; another seed returns other points.
 fn stratified(seed: u64) -> impl Iterator<Item = [f64; 4]> {
     let mut random = SplitMix64::seed_from_u64(seed);
     let mut unit = move || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
@@ -345,19 +348,21 @@ fn stratified(seed: u64) -> impl Iterator<Item = [f64; 4]> {
     })
 }
 
-/// Quantile of the errors that must lie below the tolerance: one ray in a thousand may be worse.
+/// Quantile of the errors that must lie below the tolerance; one ray in a thousand may have a larger error.
 pub const QUANTILE: f64 = 0.999;
 /// Probability that a bound is too low.
 const RISK: f64 = 2e-3;
 
-/// Returns an upper bound of the [`QUANTILE`] of the distribution of independent samples, which the quantile exceeds
-/// with a probability of at most 1/500; infinity if the samples are too few. Reorders the samples.
+/// Returns an upper bound of the [`QUANTILE`] of the distribution from which independent samples are drawn;
+/// infinity if there are too few samples. The quantile exceeds the bound with a probability of at most 1/500.
+/// Reorders the samples.
 ///
-/// The bound is the k-th largest sample. k is the largest number such that fewer than k of n samples lie beyond the
-/// quantile with at most that probability (H. A. David and H. N. Nagaraja, *Order Statistics*, 2003, §7.1). The number
-/// beyond is binomial; its lower tail is no heavier than Poisson's (T. Anderson and S. Samuels, "Some Inequalities
-/// Among Binomial and Poisson Probabilities", 1967), and lighter still for stratified samples (W. Hoeffding, "On the
-/// Distribution of the Number of Successes in Independent Trials", 1956).
+/// The bound is the k-th largest sample. k is the largest number such that, with at most that probability,
+/// fewer than k of n samples lie beyond the quantile (H. A. David and H. N. Nagaraja, *Order Statistics*,
+/// 2003, §7.1). The number of samples beyond the quantile is binomial. Its lower tail is no heavier than that
+/// of a Poisson distribution (T. Anderson and S. Samuels, "Some Inequalities Among Binomial and Poisson
+/// Probabilities", 1967), and lighter still for stratified samples (W. Hoeffding, "On the Distribution of the
+/// Number of Successes in Independent Trials", 1956).
 fn upper_bound(samples: &mut [f64]) -> f64 {
     let Some(from_the_top) = worst(samples.len()).checked_sub(1) else {
         return f64::INFINITY;
@@ -366,14 +371,15 @@ fn upper_bound(samples: &mut [f64]) -> f64 {
     *samples.select_nth_unstable_by(index, f64::total_cmp).1
 }
 
-/// Returns the rank of the bound from the largest sample on, the k of [`upper_bound`]; 0 if the samples are too few.
+/// Returns the rank k of the bound in [`upper_bound`], counted from the largest sample; 0 if there are too
+/// few samples.
 fn worst(samples: usize) -> usize {
     rare_counts(samples as f64 * (1.0 - QUANTILE))
 }
 
-/// Returns the largest k such that a Poisson variable of this mean is less than k with a probability of at most
-/// [`RISK`]: P(fewer than k) = Σ e^-mean mean^i/i! over i < k. The mean must not exceed some 700, beyond which e^-mean
-/// underflows.
+/// Returns the largest k such that a Poisson variable with this mean is less than k with a probability of at
+/// most [`RISK`]: P(fewer than k) = Σ e^-mean mean^i/i! over i < k. The mean must not exceed about 700,
+/// because e^-mean underflows beyond.
 fn rare_counts(mean: f64) -> usize {
     let (mut term, mut sum, mut k) = ((-mean).exp(), 0.0, 0);
     while sum + term <= RISK {

@@ -1,8 +1,8 @@
 //! Types of the input and output of a plan.
 //!
-//! The input is a [`Task`]: a lens, the film behind it, the sampling of its pupil, and the tolerated error. The output
-//! is a [`Tracing`], the method of tracing rays through the lens. It is defined here, chosen by the plan, and matched
-//! once, where a camera compiles its tracers.
+//! The input is a [`Task`]: a lens, the film behind it, the sampling of its pupil, and the tolerated error.
+//! The output is a [`Tracing`], the method of tracing rays through the lens. The type is defined here, the
+//! plan chooses its value, and a camera matches on it once, where it compiles its tracers.
 
 use std::{cell::OnceCell, fmt};
 
@@ -54,7 +54,7 @@ impl<'a> Kernels<'a> {
 pub struct Task<'a> {
     /// The lens.
     pub lens: &'a Lens,
-    /// The lens from film to scene, with the method `refraction`.
+    /// The path through the lens from film to scene, with the method `refraction`.
     pub path: &'a Path,
     /// The compiled kernels of `path`.
     pub kernels: &'a Kernels<'a>,
@@ -66,17 +66,18 @@ pub struct Task<'a> {
     pub refraction: Refraction,
     /// The requested precision; `None` leaves it to the tolerance.
     pub precision: Option<Precision>,
-    /// The tolerated error, pixels; 0 for none.
+    /// The tolerated error, pixels; 0 if no error is tolerated.
     pub tolerance: f64,
     /// Whether anything may be left out.
     pub leave_out: bool,
-    /// Whether rays carry their light from surface to surface: then no polynomials replace the surfaces.
+    /// Whether rays carry their light from surface to surface; if so, polynomials cannot replace the
+    /// surfaces.
     pub carries_light: bool,
 }
 
 impl FilmSide {
-    /// Maps four numbers in [0, 1] to a ray: the point where it crosses the film's plane across the axis, mm, and its
-    /// pupil sample; `None` if there is no such sample.
+    /// Maps four numbers in [0, 1] to a ray: the point where the ray crosses the plane through the film's
+    /// centre perpendicular to the axis, mm, and the ray's pupil sample; `None` if there is no such sample.
     pub fn sample(&self, [x, y, u, v]: [f64; 4]) -> Option<([f64; 2], PupilSample)> {
         let half = self.film.half_size();
         let [right, up] =
@@ -96,8 +97,8 @@ pub enum Precision {
 }
 
 impl Precision {
-    /// Names that a parameter may have; `None` leaves the precision to the plan. A precision is written by its first
-    /// name.
+    /// Names that a parameter may have; `None` leaves the precision to the plan. A precision is written as
+    /// the first of its names.
     pub const NAMES: [(&'static str, Option<Self>); 5] = [
         ("auto", None),
         ("f64", Some(Self::F64)),
@@ -107,10 +108,10 @@ impl Precision {
     ];
 }
 
-/// The kind of call, not the number of rays.
+/// The kind of call; it does not depend on the number of rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Entry {
-    /// A call for one ray, or for one and its differentials.
+    /// A call for one ray, or for one ray and its differentials.
     One,
     /// A call for many rays.
     Many,
@@ -131,21 +132,22 @@ impl fmt::Display for Entry {
     }
 }
 
-/// A method of tracing rays through a lens. `Fit` is the type of fitted polynomials; a candidate has none yet.
+/// A method of tracing rays through a lens. `Fit` is the type of the fitted polynomials; a candidate has not
+/// been fitted yet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tracing<Fit = ()> {
-    /// Every surface, by the compiled kernel.
+    /// Intersection with every surface, by the compiled kernel.
     Exact(Precision),
-    /// The whole lens by polynomials.
+    /// Polynomials for the whole lens.
     Polynomials {
-        /// Order: odd; order 1 is the thick lens.
+        /// Order, an odd number; order 1 is the thick lens.
         order: usize,
         /// Precision of the evaluation.
         precision: Precision,
         /// Coefficients.
         fit: Fit,
     },
-    /// Surface after surface by a named method of refraction, one ray at a time.
+    /// Surface by surface with a named method of refraction, one ray at a time.
     Refracted(Refraction, Precision),
 }
 

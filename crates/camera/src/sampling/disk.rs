@@ -1,6 +1,6 @@
-//! Maps a lens sample (u, v) in [0, 1]² to a point of the unit disk: Shirley and Chiu's concentric map, the polar one,
-//! or rejection. It works in lanes of either precision, with series instead of sine and cosine, so that a single sample
-//! has the same bits as in a batch.
+//! Maps a lens sample (u, v) in [0, 1]² to a point of the unit disk, by Shirley and Chiu's concentric map, by
+//! the polar map, or by rejection. The maps work in lanes of either precision and use series instead of sine
+//! and cosine, so that a single sample gives the same bits as the same sample in a batch.
 
 use realistic_optics::trace::Real;
 use realistic_simd::{Compiled, Cpu, Lanes, OneLane, Portable, Scalar, Simd, cos_sin_over, turned};
@@ -9,12 +9,12 @@ use realistic_simd::{Compiled, Cpu, Lanes, OneLane, Portable, Scalar, Simd, cos_
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DiskMapping {
     /// Shirley and Chiu's concentric map ("A Low Distortion Map Between Disk and Square",
-    /// *Journal of Graphics Tools* 2(3), 1997): keeps strata compact.
+    /// *Journal of Graphics Tools* 2(3), 1997), which keeps strata compact.
     #[default]
     Concentric,
-    /// r = sqrt(u1), φ = 2π u2.
+    /// r = sqrt(u), φ = 2π v.
     Polar,
-    /// The square [-1, 1]²; points outside the disk request another lens sample from the host.
+    /// The square [-1, 1]²; if the point lies outside the disk, the host is asked for another lens sample.
     Rejection,
 }
 
@@ -32,7 +32,7 @@ impl DiskMapping {
         (!outside).then_some(point)
     }
 
-    /// Returns the lens sample of the disk's middle.
+    /// Returns the lens sample that maps to the disk's centre.
     pub(crate) fn of_middle(self) -> [f32; 2] {
         match self {
             Self::Concentric | Self::Rejection => [0.5, 0.5],
@@ -44,7 +44,7 @@ impl DiskMapping {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn lanes<L: Lanes>(self, cpu: Cpu<L>, [u, v]: [L; 2]) -> [L; 2] {
         let (zero, one) = (L::splat(cpu, L::Scalar::ZERO), L::splat(cpu, L::Scalar::ONE));
-        // This order keeps NaN.
+        // With this order of operands, NaN stays NaN.
         let (u, v) = (one.smaller(zero.larger(u)), one.smaller(zero.larger(v)));
         if self == Self::Polar {
             return polar(cpu, u, v);
@@ -57,9 +57,10 @@ impl DiskMapping {
             return [L::select(inside, a, nan), L::select(inside, b, nan)];
         }
         let (across, along) = (a * a, b * b);
-        // The squares of the radius and of the other coordinate.
+        // The squares of the radius, which is the larger coordinate, and of the other coordinate.
         let (radius, other) = (across.larger(along), across.smaller(along));
-        // Square of the angle from the nearer axis, in eighths of a turn; it is arbitrary at the centre.
+        // Square of the angle from the nearer axis, in units of an eighth of a turn; its value at the centre
+        // does not matter.
         let square = other / radius.larger(L::splat(cpu, L::Scalar::LEAST));
         let [cos, sin] = cos_sin_over(cpu, square);
         // radius sin(π/4 other/radius) is `other` times sin(π/4 √z)/√z.
@@ -68,7 +69,7 @@ impl DiskMapping {
     }
 }
 
-/// Computes one point with the processor's own fused multiplications.
+/// Computes one point with the processor's own fused multiply-add instructions.
 struct OnePoint<'a> {
     mapping: DiskMapping,
     sample: [f64; 2],

@@ -3,16 +3,16 @@
 use super::film_surface::FilmSurface;
 use realistic_simd::{Cpu, Lanes};
 
-/// Pixels of an image.
+/// Numbers of pixels of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Raster {
-    /// Pixels across, 1 or more.
+    /// Number of pixel columns, 1 or more.
     pub xres: u32,
-    /// Pixels down, 1 or more.
+    /// Number of pixel rows, 1 or more.
     pub yres: u32,
 }
 
-/// A film of square pixels, centred on the axis unless its surface is moved.
+/// A film of square pixels, centred on the axis unless its surface is shifted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Film {
     raster: Raster,
@@ -21,12 +21,12 @@ pub struct Film {
     surface: FilmSurface,
 }
 
-/// Distance outside the raster, in pixels, up to which a host's reconstruction filter requests rays (pbrt-v1 goes to -2
-/// and resolution + 3).
+/// Distance outside the raster, in pixels, within which a host's reconstruction filter requests rays (in
+/// pbrt-v1, from -2 to resolution + 3).
 const FILTER_MARGIN: f64 = 3.0;
 
 impl Film {
-    /// Returns a flat film across the axis with this diagonal in mm, positive.
+    /// Returns a flat film perpendicular to the axis with the given diagonal in mm, which is positive.
     pub fn new(raster: Raster, diagonal: f64) -> Self {
         let (x, y) = (f64::from(raster.xres), f64::from(raster.yres));
         Self { raster, diagonal, pixel: diagonal / (x * x + y * y).sqrt(), surface: FilmSurface::FLAT }
@@ -43,7 +43,7 @@ impl Film {
         &self.surface
     }
 
-    /// Returns width and height of a pixel, mm.
+    /// Returns the width of a pixel, which equals its height, mm.
     pub fn pixel(&self) -> f64 {
         self.pixel
     }
@@ -53,9 +53,9 @@ impl Film {
         self.diagonal
     }
 
-    /// Returns the film point, mm in lens space, of raster coordinates ((0, 0) is the image's top left corner), for a
-    /// film across the axis. The image on film is upside down and mirrored; this function turns it, so that raster x
-    /// grows toward the scene's right.
+    /// Returns the film point, mm in lens space, that corresponds to raster coordinates, for a film
+    /// perpendicular to the axis. Raster (0, 0) is the image's top left corner. The image on film is upside
+    /// down and mirrored; this function inverts both, so that raster x grows toward the right of the scene.
     #[inline(always)]
     pub fn point(&self, image_x: f64, image_y: f64) -> [f64; 2] {
         let ([x, y], [right, up]) = (self.middle(), self.surface.shift());
@@ -67,7 +67,8 @@ impl Film {
         self.middle().map(|middle| middle * self.pixel)
     }
 
-    /// Returns the raster coordinates of film points, mm from the film's centre, and the mask of points on the film.
+    /// Returns the raster coordinates of film points, given in mm from the film's centre, and the mask of the
+    /// points that lie on the film.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn raster_of<L: Lanes<Scalar = f64>>(&self, cpu: Cpu<L>, [x, y]: [L; 2]) -> ([L; 2], L::Mask) {
         let (zero, pixel) = (L::splat(cpu, 0.0), L::splat(cpu, self.pixel));
@@ -83,28 +84,30 @@ impl Film {
         [self.raster.xres, self.raster.yres].map(|resolution| f64::from(resolution) / 2.0)
     }
 
-    /// Returns the largest distance from the axis, mm, at which a host requests rays; an overestimate for film that is
-    /// moved or tilted.
+    /// Returns the largest distance from the axis, mm, at which a host requests rays; for film that is
+    /// shifted or tilted, this is an upper bound.
     pub fn reach(&self) -> f64 {
         let [right, up] = self.surface.shift();
         self.diagonal / 2.0 + FILTER_MARGIN * std::f64::consts::SQRT_2 * self.pixel + right.hypot(up)
     }
 
-    /// Returns the distance of the farthest corner of the picture from the axis, mm, by the same overestimate.
+    /// Returns the distance of the picture's farthest corner from the axis, mm; for film that is shifted or
+    /// tilted, this is an upper bound.
     pub fn corner(&self) -> f64 {
         let [right, up] = self.surface.shift();
         self.diagonal / 2.0 + right.hypot(up)
     }
 
-    /// Returns a corner of the rectangle of the flat film in which a host requests rays, mm from its centre, and the
-    /// rectangle's size.
+    /// Returns the rectangle of the flat film within which a host requests rays: a corner, mm from the film's
+    /// centre, and the rectangle's size.
     pub fn rectangle(&self) -> [[f64; 2]; 2] {
         let half = self.half_size().map(|half| half + FILTER_MARGIN * self.pixel);
         [half.map(|half| -half), half.map(|half| 2.0 * half)]
     }
 
-    /// Returns how far the film's points lie in front of its plane across the axis, mm: the least and the greatest, each
-    /// 0 for film across the axis. NaN if the film reaches beyond the sphere that it is curved along.
+    /// Returns the smallest and the largest distance by which points of the film lie in front of the plane
+    /// through the film's centre perpendicular to the axis, mm. Both are 0 for flat film perpendicular to the
+    /// axis, and NaN if the film reaches beyond the sphere along which it is curved.
     pub fn depth(&self) -> [f64; 2] {
         const STEPS: u32 = 16;
         let mut depth = [0.0_f64; 2];

@@ -1,5 +1,5 @@
-//! Rays that leave the film, in lanes: a sampler fills in slopes and the pupil's area per sample, and a tracer
-//! continues from there.
+//! Rays that leave the film, in lanes. A sampler sets their slopes and the pupil's area per sample; a tracer
+//! then continues from there.
 
 use realistic_simd::{Lanes, Portable, Scalar};
 
@@ -12,7 +12,7 @@ pub struct FilmRays<L> {
     pub disk: [L; 2],
     /// dx/dz and dy/dz.
     pub slopes: [L; 2],
-    /// Slope area per sample, over π; NaN for a ray that does not exist.
+    /// Slope area per sample, divided by π; NaN for a ray that does not exist.
     pub area_per_pi: L,
 }
 

@@ -1,17 +1,17 @@
-//! The surface of a film that is moved aside, tilted or curved.
+//! The surface of a film that is shifted, tilted or curved.
 //!
-//! A point (u, v) of the flat film, mm from its centre, lies in space at
+//! The point (u, v) of the flat film, mm from the film's centre, lies in space at
 //!
 //! ```text
 //! C + R (u, v, w),   w = -c r² / (1 + √(1 - c² r²)),   r² = u² + v²,
 //! ```
 //!
-//! where C is the film's centre, R the rotation and c the curvature: the raster is projected along the film's own axis
-//! onto a sphere. The unit normal, toward the lens, is R (c u, c v, 1 + c w).
+//! where C is the film's centre, R the rotation and c the curvature: the raster is projected along the film's
+//! own axis onto a sphere. The unit normal toward the lens is R (c u, c v, 1 + c w).
 //!
-//! The camera traces all rays from the plane across the axis through C, which flat film without a tilt lies in. A ray
-//! that leaves a point of another surface is continued to that plane; [`FilmPoint::ahead`] is how far the point lies in
-//! front of it.
+//! The camera traces all rays from the plane through C perpendicular to the optical axis; flat film without a
+//! tilt lies in this plane. A ray that leaves a point of any other surface is extended to this plane;
+//! [`FilmPoint::ahead`] is the distance by which the point lies in front of it.
 
 use realistic_simd::{Cpu, Lanes, OneLane, Portable, Scalar};
 
@@ -20,9 +20,9 @@ use realistic_simd::{Cpu, Lanes, OneLane, Portable, Scalar};
 pub struct FilmSurface {
     /// x and y of the centre, mm.
     shift: [f64; 2],
-    /// The rows of R.
+    /// The rows of the rotation R.
     rotation: [[f64; 3]; 3],
-    /// c, 1/mm: positive if the sphere's centre lies behind the film.
+    /// The curvature c, 1/mm: positive if the sphere's centre lies behind the film.
     curvature: f64,
 }
 
@@ -31,7 +31,7 @@ pub struct FilmSurface {
 pub struct FilmPoint<L> {
     /// x and y, mm.
     pub point: [L; 2],
-    /// Distance in front of the film's plane across the axis, mm.
+    /// Distance in front of the plane through the film's centre perpendicular to the axis, mm.
     pub ahead: L,
     /// The unit normal, toward the lens.
     pub normal: [L; 3],
@@ -40,27 +40,29 @@ pub struct FilmPoint<L> {
 /// Points where rays meet a film.
 #[derive(Clone, Copy, Debug)]
 pub struct FilmMeeting<L> {
-    /// (u, v), mm.
+    /// Coordinates (u, v) on the flat film, mm.
     pub flat: [L; 2],
     /// The same point in space.
     pub at: FilmPoint<L>,
-    /// du dv over the area of the film: the cosine between the normal and the film's own axis.
+    /// Ratio of the flat area du dv to the area on the film's surface: the cosine between the normal and the
+    /// film's own axis.
     pub flat_per_area: L,
 }
 
 impl FilmSurface {
-    /// Flat film across the axis, centred on it.
+    /// Flat film perpendicular to the axis and centred on it.
     pub const FLAT: Self = Self {
         shift: [0.0; 2],
         rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         curvature: 0.0,
     };
 
-    /// Returns a film whose centre is moved by `shift` mm, which is then tilted about its own x axis and after that
-    /// about its own y axis by `tilt` degrees, and curved with a signed radius in mm, infinite for a flat one.
+    /// Returns a film whose centre is shifted by `shift` mm, which is then tilted by `tilt` degrees, first
+    /// about its own x axis and then about its own y axis, and which is curved with the signed radius
+    /// `radius` in mm, infinite for a flat film.
     ///
-    /// A positive tilt about x turns the normal from the axis toward -y, one about y toward +x. A positive radius has
-    /// its centre behind the film.
+    /// A positive tilt about x turns the normal from the axis toward -y; a positive tilt about y turns it
+    /// toward +x. With a positive radius, the centre of curvature lies behind the film.
     pub fn new(shift: [f64; 2], tilt: [f64; 2], radius: f64) -> Self {
         let [[sin_x, cos_x], [sin_y, cos_y]] = tilt.map(|degrees| {
             let (sin, cos) = degrees.to_radians().sin_cos();
@@ -79,13 +81,13 @@ impl FilmSurface {
         self.shift
     }
 
-    /// Whether all points lie in the plane across the axis.
+    /// Whether all points lie in one plane perpendicular to the axis.
     pub fn is_across(&self) -> bool {
         self.rotation[2][2] == 1.0 && self.curvature == 0.0
     }
 
-    /// Returns x and y of a point of the flat film in space, mm, and how far it lies in front of the plane across the
-    /// axis.
+    /// Returns x and y in space, mm, of a point of the flat film, and the distance by which the point lies in
+    /// front of the plane through the film's centre perpendicular to the axis.
     pub fn point(&self, flat: [f64; 2]) -> ([f64; 2], f64) {
         let flat = flat.map(|number| Portable([number]));
         let FilmPoint { point: [Portable([x]), Portable([y])], ahead: Portable([ahead]), .. } =
@@ -112,7 +114,8 @@ pub struct SurfaceConstants<S> {
 }
 
 impl<S: Scalar> SurfaceConstants<S> {
-    /// Returns the points of the flat film in space. They are NaN beyond the sphere.
+    /// Returns the points in space of points of the flat film. They are NaN for flat points beyond the edge
+    /// of the sphere.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn lift<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, [u, v]: [L; 2]) -> FilmPoint<L> {
         let (one, c) = (L::splat(cpu, S::ONE), L::splat(cpu, self.curvature));
@@ -122,8 +125,9 @@ impl<S: Scalar> SurfaceConstants<S> {
         self.placed(cpu, [u, v, w], [c * u, c * v, cosine])
     }
 
-    /// Returns the points where rays through the plane across the axis, at (x, y) with slopes, meet the film. They are
-    /// NaN for rays that miss the sphere.
+    /// Returns the points where rays meet the film. A ray is given by its slopes and its point (x, y) in the
+    /// plane through the film's centre perpendicular to the axis. The points are NaN for rays that miss the
+    /// sphere.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn meet<L: Lanes<Scalar = S>>(
         &self,
@@ -133,7 +137,7 @@ impl<S: Scalar> SurfaceConstants<S> {
     ) -> FilmMeeting<L> {
         let number = |number| L::splat(cpu, number);
         let (zero, one, c) = (number(S::ZERO), number(S::ONE), number(self.curvature));
-        // In the film's own frame, which the inverse of R, its transpose, leads to.
+        // Transforms to the film's own frame by the inverse of R, which is its transpose.
         let own = |[a, b, z]: [L; 3]| -> [L; 3] {
             std::array::from_fn(|k| {
                 let [r0, r1, r2] = [0, 1, 2].map(|row| number(self.rotation[row][k]));
@@ -143,7 +147,8 @@ impl<S: Scalar> SurfaceConstants<S> {
         let [ox, oy, oz] = own([x - number(self.shift[0]), y - number(self.shift[1]), zero]);
         let [dx, dy, dz] = own([sx, sy, one]);
         let dot = |a: [L; 3], b: [L; 3]| a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]));
-        // The sphere is c (u² + v² + w²) + 2 w = 0; of its two roots the one near the film's plane, which does not cancel.
+        // The sphere is c (u² + v² + w²) + 2 w = 0. Of the two roots, this computes the one near the film's
+        // plane, in the form without cancellation.
         let a = c * dot([dx, dy, dz], [dx, dy, dz]);
         let b = dz + c * dot([ox, oy, oz], [dx, dy, dz]);
         let e = oz + oz + c * dot([ox, oy, oz], [ox, oy, oz]);
@@ -155,7 +160,7 @@ impl<S: Scalar> SurfaceConstants<S> {
         FilmMeeting { flat: [u, v], at, flat_per_area: cosine }
     }
 
-    /// Returns a point and a normal of the film's own frame in space.
+    /// Transforms a point and a normal from the film's own frame to space.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn placed<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, point: [L; 3], normal: [L; 3]) -> FilmPoint<L> {
         let number = |number| L::splat(cpu, number);
@@ -169,14 +174,16 @@ impl<S: Scalar> SurfaceConstants<S> {
 }
 
 impl<L: Lanes> FilmPoint<L> {
-    /// Returns cos θ_f over cos θ_a of rays with slopes: θ_f is the angle to the film's normal, θ_a that to the axis.
+    /// Returns cos θ_f/cos θ_a for rays with slopes, where θ_f is the angle to the film's normal and θ_a the
+    /// angle to the axis.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn facing(&self, [sx, sy]: [L; 2]) -> L {
         let [nx, ny, nz] = self.normal;
         sx.mul_add(nx, sy.mul_add(ny, nz))
     }
 
-    /// Returns the points where rays with slopes cross the plane across the axis.
+    /// Returns the points where rays with slopes cross the plane through the film's centre perpendicular to
+    /// the axis.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn on_plane(&self, [sx, sy]: [L; 2]) -> [L; 2] {
         let [x, y] = self.point;
@@ -211,7 +218,7 @@ mod tests {
                 assert!((normal[axis] - expected[axis]).abs() < 1e-15, "{tilt:?} {normal:?}");
             }
         }
-        // After a quarter turn about x, the film's own y axis points to +z.
+        // After a rotation by 90° about x, the film's own y axis points to +z.
         let ([x, y], ahead, normal) =
             lift(&FilmSurface::new([1.0, 2.0], [90.0, 30.0], f64::INFINITY), [0.0, 3.0]);
         assert!((x - 1.0).abs() < 1e-15 && (y - 2.0).abs() < 1e-15 && (ahead - 3.0).abs() < 1e-15);

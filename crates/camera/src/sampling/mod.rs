@@ -1,7 +1,8 @@
-//! The origins of rays: the film, mappings of the unit square to the disk, disks about the axis, and the warped pupil.
+//! The origins of rays: the film, mappings of the unit square to the disk, disks centred on the axis, and the
+//! warped pupil.
 //!
-//! Takes a film point and a lens sample (u, v); returns the slopes of a ray and the area in slopes per sample. The
-//! camera computes weights from that area.
+//! From a film point and a lens sample (u, v), this module computes the slopes of a ray and the slope area
+//! per sample. The camera computes weights from that area.
 
 pub(crate) mod disk;
 pub mod film;

@@ -1,7 +1,8 @@
-//! The pupils of film that does not lie in one plane across the axis: tilted or curved film.
+//! The pupils of film that is tilted or curved, and so does not lie in one plane perpendicular to the axis.
 //!
-//! Each point of such film has its own distance to the lens, so that a pupil depends on x and y of the film. Rays are
-//! continued to the plane across the axis through the film's centre, from which the camera traces them.
+//! Each point of such film has its own distance to the lens, so the pupil depends on both x and y of the film
+//! point. Rays are extended to the plane through the film's centre perpendicular to the axis, from which the
+//! camera traces them.
 
 use std::f64::consts::PI;
 
@@ -15,13 +16,13 @@ use realistic_base::numeric::Real;
 use realistic_optics::trace::Path;
 use realistic_simd::{Compiled, Cpu, Lanes, OneLane, Portable, Scalar, Simd};
 
-/// The region of the lens samples of tilted or curved film.
+/// The region to which the lens samples of tilted or curved film are mapped.
 #[derive(Clone, Debug)]
 pub struct PosedPupil {
     surface: FilmSurface,
-    /// The true pupils; `None` if a disk is sampled.
+    /// The table of the true pupils; `None` if a disk is sampled instead.
     table: Option<RectanglePupil>,
-    /// The disk, which is sampled outside the table, too.
+    /// The disk, which is also sampled for film points outside the table.
     disk: PupilDisk,
 }
 
@@ -29,7 +30,7 @@ pub struct PosedPupil {
 #[derive(Clone, Copy, Debug)]
 pub struct LanePosed<S> {
     surface: SurfaceConstants<S>,
-    /// Of the table, if there is one.
+    /// Constants of the table, if there is one.
     table: Option<MapConstants<S>>,
     disk: LaneDisk<S>,
 }
@@ -47,12 +48,12 @@ impl PosedPupil {
         Self { surface: *surface, table: Some(table), disk: cover }
     }
 
-    /// Samples a disk in place of the true pupils.
+    /// Returns film for which a disk is sampled in place of the true pupils.
     pub fn of_disk(surface: &FilmSurface, disk: PupilDisk) -> Self {
         Self { surface: *surface, table: None, disk }
     }
 
-    /// Returns this film with the disk that holds every pupil as the region of its samples.
+    /// Returns this film, but with lens samples mapped to the disk that contains every pupil.
     pub fn over_disk(&self) -> Self {
         Self::of_disk(&self.surface, self.disk)
     }
@@ -62,12 +63,12 @@ impl PosedPupil {
         self.table.is_none().then_some(&self.disk)
     }
 
-    /// Returns the share of the film over which the disk is used instead of the pupil.
+    /// Returns the fraction of the film for which the disk is sampled instead of the pupil.
     pub fn covered(&self) -> f64 {
         self.table.as_ref().map_or(0.0, RectanglePupil::covered)
     }
 
-    /// Returns the constants of the precision.
+    /// Returns the constants in the precision `S`.
     pub(crate) fn constants<S: Scalar>(&self) -> LanePosed<S> {
         LanePosed {
             surface: self.surface.constants(),
@@ -76,9 +77,9 @@ impl PosedPupil {
         }
     }
 
-    /// Sets the slopes and areas of rays from points of the flat film, and replaces the points by those where the rays
-    /// cross the plane across the axis. The area is over π and includes cos θ_f over cos θ_a; it is NaN where the film
-    /// faces away from the lens.
+    /// Sets the slopes and areas of rays from points of the flat film, and replaces these points by those
+    /// where the rays cross the plane through the film's centre perpendicular to the axis. The area is
+    /// divided by π and multiplied by cos θ_f/cos θ_a; it is NaN where the film faces away from the lens.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn lanes<L: Lanes, const U: usize>(
         &self,
@@ -114,9 +115,10 @@ impl PosedPupil {
         }
     }
 
-    /// Sets the areas of rays with slopes through the plane across the axis as [`PosedPupil::lanes`] does, NaN outside
-    /// the sampled region, and replaces their points there by points of the flat film. Returns the flat film's area
-    /// over that of the surface.
+    /// Sets the areas of rays as [`PosedPupil::lanes`] does, with NaN outside the sampled region. The rays
+    /// are given by their slopes and their points in the plane through the film's centre perpendicular to the
+    /// axis; the points are replaced by points of the flat film. Returns the ratio of the flat film's area to
+    /// that of the surface.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn areas<L: Lanes, const U: usize>(
         &self,
@@ -151,9 +153,10 @@ impl PosedPupil {
         flat_per_area
     }
 
-    /// Returns the ray from a point of the flat film, mm, for a point of the unit disk: the point where it crosses the
-    /// plane across the axis, and its slopes with the area per sample, as [`PosedPupil::lanes`] has them. `None` where
-    /// the film faces away from the lens.
+    /// Returns the ray from a point of the flat film, mm, that corresponds to a point of the unit disk: the
+    /// point where the ray crosses the plane through the film's centre perpendicular to the axis, and its
+    /// slopes with the area per sample, as in [`PosedPupil::lanes`]. `None` where the film faces away from
+    /// the lens.
     pub fn sample(&self, flat: [f64; 2], disk: [f64; 2]) -> Option<([f64; 2], PupilSample)> {
         let [point, disk] = [flat, disk].map(|pair| pair.map(|number| Portable([number])));
         let mut rays = [FilmRays { point, disk, slopes: disk, area_per_pi: Portable([0.0]) }];
@@ -188,7 +191,7 @@ fn lit<L: Lanes>(cpu: Cpu<L>, area: L, facing: L) -> L {
     L::select(number(0.0).less(facing), area * facing, number(f64::NAN))
 }
 
-/// Computes one sample with the processor's own fused multiplications.
+/// Computes one sample with the processor's own fused multiply-add instructions.
 struct OneSample<'a> {
     pupil: &'a PosedPupil,
     rays: &'a mut [FilmRays<Portable<f64, 1>>; 1],

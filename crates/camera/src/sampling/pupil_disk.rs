@@ -1,8 +1,8 @@
-//! Disks to which lens samples (u, v) are mapped, as ray slopes at the film.
+//! Disks to which lens samples (u, v) are mapped, described by ray slopes at the film.
 //!
-//! Seen from a film point, a disk of radius R in a plane at axial distance Z from the film is a disk of slopes of
-//! radius R/Z about the slope to its centre; dA/Z² = d(slope)². In slopes a disk at infinity or behind the film is like
-//! any other.
+//! Seen from a film point, a disk of radius R in a plane at axial distance Z from the film is a disk of
+//! radius R/Z in slopes, centred on the slope to the disk's centre; dA/Z² = d(slope)². In slopes, a disk at
+//! infinity or behind the film needs no special case.
 
 use std::f64::consts::PI;
 
@@ -15,46 +15,48 @@ use realistic_optics::{
 };
 use realistic_simd::{Cpu, Lanes, Scalar};
 
-/// Distance of the front vertex from the film, over that of the pupil, below which the pupil is at infinity.
+/// Ratio of the front vertex's distance from the film to the pupil's, below which the pupil counts as being
+/// at infinity.
 const TELECENTRIC: f64 = 1e-12;
 
-/// A slope sampled in a pupil.
+/// A slope sampled within a pupil.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PupilSample {
     /// dx/dz and dy/dz of the ray at the film.
     pub slopes: [f64; 2],
-    /// Area per sample, slope²: its mean over the lens samples that get through, counting the others as 0, is the
-    /// pupil's area.
+    /// Slope area per sample. Its mean over all lens samples, counting those whose rays are blocked as 0, is
+    /// the area of the pupil.
     pub area: f64,
 }
 
-/// A disk about the axis, to which every film point's lens samples are mapped.
+/// A disk centred on the axis, to which the lens samples of every film point are mapped.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PupilDisk {
-    /// 1/Z, 1/mm; 0 for a disk at infinity, negative behind the film.
+    /// 1/Z, 1/mm; 0 for a disk at infinity, negative for a disk behind the film.
     vergence: f64,
     /// R/Z.
     slope_radius: f64,
 }
 
 impl PupilDisk {
-    /// Returns the rear element's disk in the rear vertex plane, for film at `film` (z in lens space) and rays from up
-    /// to `reach` mm from the axis.
+    /// Returns the rear element's disk, in the rear vertex plane, for film at z = `film` (lens space) and
+    /// rays from film points up to `reach` mm from the axis.
     ///
-    /// If the edge of the rear surface lies in front of or behind its vertex, the disk is larger than the clear
-    /// aperture, so that it holds every ray from such film through the surface. `None` if the film is not behind the
-    /// whole surface.
+    /// If the edge of the rear surface lies in front of or behind its vertex, the disk is larger than the
+    /// clear aperture, so that it contains every ray from such film through the surface. `None` if the film
+    /// is not behind the whole surface.
     pub fn rear(lens: &Lens, film: f64, reach: f64) -> Option<Self> {
         Self::rear_of_depth(lens, film, reach, [0.0; 2])
     }
 
-    /// Returns the disk of [`PupilDisk::rear`] for film whose points lie up to `depth` mm, least and greatest, in front
-    /// of its plane.
+    /// Returns the disk of [`PupilDisk::rear`] for film whose points lie between `depth[0]` and `depth[1]` mm
+    /// in front of the film's plane.
     pub fn rear_of_depth(lens: &Lens, film: f64, reach: f64, depth: [f64; 2]) -> Option<Self> {
         let rear = lens.rear();
         let distance = rear.vertex - film;
         let nearest = distance - depth[1];
-        // For a sphere only the edge counts; for an asphere any height, treated as if it lay at the edge.
+        // For a sphere only the edge matters; for an asphere any height matters, and is treated as if it were
+        // at the edge.
         let ends = match rear.figure {
             None => [rear.sagitta(rear.semi_diameter); 2],
             Some(_) => rear.sagitta_range(),
@@ -62,9 +64,10 @@ impl PupilDisk {
         if !(nearest > 0.0 && nearest + ends[0] > 0.0) {
             return None;
         }
-        // From film height h, a point of the surface at height r and sagitta s projects to (r Z + h s)/(Z + s). Over
-        // the surface and the film this is largest in magnitude at the edge, for h on that edge's side if s > 0 and on
-        // the other side if s < 0, or at s = 0.
+        // From film height h, a point of the surface at height r and sagitta s projects to (r Z + h
+        // s)/(Z + s). Over the surface and the film, the magnitude of this is largest at the edge of both. If
+        // s > 0, h is on the same side of the axis as that edge of the surface; if s < 0, on the other side.
+        // Otherwise it is largest at s = 0.
         let projected = |height: f64, sagitta: f64| {
             let from = |distance: f64| {
                 (rear.semi_diameter * distance + height * sagitta.abs()) / (distance + sagitta)
@@ -76,9 +79,9 @@ impl PupilDisk {
         Some(Self { vergence: distance.recip(), slope_radius: radius / distance })
     }
 
-    /// Returns the exit pupil for film at `film`: in the plane in which the thick lens images the aperture that limits
-    /// the cone of exact rays at the film's centre, with the width of that cone. If the centre is dark, it is the thick
-    /// lens's exit pupil.
+    /// Returns the exit pupil for film at `film`. The pupil lies in the plane in which the thick lens images
+    /// the aperture that limits the cone of exact rays at the film's centre, and it has the width of that
+    /// cone. If the film's centre is dark, the pupil is the thick lens's exit pupil.
     pub fn exit(lens: &Lens, film: f64) -> Self {
         let (pupil, slope_radius) = match axial_cone(lens, film) {
             Some((limiting, slope)) => (ExitPupil::of_surface(lens, limiting), slope),
@@ -88,17 +91,19 @@ impl PupilDisk {
             }
         };
         let vergence = pupil.vergence(film);
-        // Rounding leaves a small number instead of a telecentric lens's 0.
+        // For a telecentric lens, rounding gives a small number instead of 0.
         let vergence = if (vergence * film).abs() < TELECENTRIC { 0.0 } else { vergence };
         Self { vergence, slope_radius }
     }
 
-    /// Returns a disk about the axis `distance` mm in front of the film, not 0, with this radius in slope.
+    /// Returns a disk centred on the axis at `distance` mm (not 0) in front of the film, with the given
+    /// radius in slopes.
     pub(crate) fn about_axis(distance: f64, slope_radius: f64) -> Self {
         Self { vergence: distance.recip(), slope_radius }
     }
 
-    /// Returns the radius of the disk in slope: the tangent of the half angle that it subtends at the film's centre.
+    /// Returns the disk's radius in slopes: the tangent of the half angle that the disk subtends at the
+    /// film's centre.
     pub fn slope_radius(&self) -> f64 {
         self.slope_radius
     }
@@ -108,8 +113,8 @@ impl PupilDisk {
         SlopeDisk { center: [-x * self.vergence, -y * self.vergence], radius: self.slope_radius }
     }
 
-    /// Returns the disk as seen from a point `ahead` mm in front of the film. The radius is not positive if the point
-    /// lies at the disk or in front of it.
+    /// Returns the disk as seen from a point `ahead` mm in front of the film. The radius is not positive if
+    /// the point lies in the disk's plane or in front of it.
     pub fn seen_from_ahead(&self, point: [f64; 2], ahead: f64) -> SlopeDisk {
         let SlopeDisk { center, radius } = self.seen_from(point);
         let nearer = 1.0 - ahead * self.vergence;
@@ -117,7 +122,8 @@ impl PupilDisk {
         SlopeDisk { center: center.map(|slope| slope * nearer), radius: radius * nearer }
     }
 
-    /// Returns the slope at a film point, mm, of the point `disk` of the unit disk.
+    /// Returns the slope sample that corresponds to the point (u, v) of the unit disk, for a film point in
+    /// mm.
     pub fn sample(&self, film: [f64; 2], [u, v]: [f64; 2]) -> PupilSample {
         let SlopeDisk { center: [x, y], radius } = self.seen_from(film);
         PupilSample { slopes: [x + radius * u, y + radius * v], area: self.slope_area() }
@@ -137,7 +143,7 @@ impl PupilDisk {
         PI * self.slope_radius * self.slope_radius
     }
 
-    /// Returns the area of the disk in mm²; `None` at infinity.
+    /// Returns the disk's area in mm²; `None` if the disk is at infinity.
     pub fn area(&self) -> Option<f64> {
         let area = self.slope_area() / (self.vergence * self.vergence);
         area.is_finite().then_some(area)
@@ -147,21 +153,23 @@ impl PupilDisk {
 /// A [`PupilDisk`] in the precision of lanes.
 #[derive(Clone, Copy, Debug)]
 pub struct LaneDisk<S> {
-    /// Slope to the centre over the film point, 1/mm.
+    /// Ratio of the slope to the disk's centre to the film point's coordinate, 1/mm.
     shift: S,
     slope_radius: S,
     area_per_pi: S,
 }
 
 impl<S: Scalar> LaneDisk<S> {
-    /// Returns the slopes of points of the unit disk at film points, mm, and the slope area of each over π.
+    /// Returns the slopes that correspond to points of the unit disk, for film points in mm, and the slope
+    /// area per sample divided by π.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn lanes<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, [x, y]: [L; 2], [u, v]: [L; 2]) -> ([L; 2], L) {
         let (shift, radius) = (L::splat(cpu, self.shift), L::splat(cpu, self.slope_radius));
         ([radius.mul_add(u, shift * x), radius.mul_add(v, shift * y)], L::splat(cpu, self.area_per_pi))
     }
 
-    /// Computes [`LaneDisk::lanes`] for points `ahead` mm in front of the film. The area is NaN from the disk on.
+    /// Computes [`LaneDisk::lanes`] for points `ahead` mm in front of the film. The area is NaN for points in
+    /// the disk's plane or in front of it.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn lanes_ahead<L: Lanes<Scalar = S>>(
         &self,
@@ -188,7 +196,8 @@ impl<S: Scalar> LaneDisk<S> {
         self.areas(cpu, point, slopes.map(|slope| slope / nearer)) * (nearer * nearer)
     }
 
-    /// Returns the disk's distance from the film over that from points in front of it; NaN from the disk on.
+    /// Returns the ratio of the disk's distance from the film to its distance from points in front of the
+    /// film; NaN for points in the disk's plane or in front of it.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn nearer<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, ahead: L) -> L {
         let (zero, one) = (L::splat(cpu, S::ZERO), L::splat(cpu, S::ONE));
@@ -196,7 +205,8 @@ impl<S: Scalar> LaneDisk<S> {
         L::select(zero.less(left), one / left, L::splat(cpu, S::from_f64(f64::NAN)))
     }
 
-    /// Returns the slope area, over π, per sample with these slopes at film points; NaN outside the disk.
+    /// Returns the slope area per sample, divided by π, for rays with these slopes from film points; NaN
+    /// outside the disk.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn areas<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, [x, y]: [L; 2], [sx, sy]: [L; 2]) -> L {
         let shift = L::splat(cpu, self.shift);
@@ -213,7 +223,7 @@ mod tests {
 
     #[test]
     fn the_rear_disk_holds_every_ray_through_the_rear_surface() {
-        // The edge in front of the vertex (radius < 0), behind it (> 0), and in its plane.
+        // Lenses whose rear edge lies in front of the vertex (radius < 0), behind it (> 0), and in its plane.
         for row in ["-12 0 1 16", "12 0 1 16", "0 0 1 16"] {
             let lens =
                 Lens::at_d_line(&read("lens", format!("30 4 1.6 16\n{row}").as_bytes()).expect("a lens"));

@@ -1,4 +1,5 @@
-//! The region of a camera's lens samples: a disk about the axis, or the true pupil of each film point.
+//! The region to which a camera's lens samples are mapped: a disk centred on the axis, or the true pupil of
+//! each film point.
 
 use std::sync::Arc;
 
@@ -8,7 +9,7 @@ use realistic_simd::{Cpu, Lanes};
 /// The region to which lens samples are mapped.
 #[derive(Clone, Debug)]
 pub enum PupilSampler {
-    /// A disk about the axis.
+    /// A disk centred on the axis.
     Disk(PupilDisk),
     /// The true pupil of each film point.
     Warped(Arc<WarpedPupil>),
@@ -17,7 +18,7 @@ pub enum PupilSampler {
 }
 
 impl PupilSampler {
-    /// Returns the disk about the axis; `None` if the true pupil is sampled.
+    /// Returns the disk centred on the axis; `None` if the true pupil is sampled.
     pub fn disk(&self) -> Option<&PupilDisk> {
         match self {
             Self::Disk(disk) => Some(disk),
@@ -26,7 +27,8 @@ impl PupilSampler {
         }
     }
 
-    /// Returns the film radius from which on no light arrives, mm, if it is known ([`WarpedPupil::image_radius`]).
+    /// Returns the film radius beyond which no light arrives, mm, if it is known
+    /// ([`WarpedPupil::image_radius`]).
     pub fn image_radius(&self) -> Option<f64> {
         match self {
             Self::Disk(_) | Self::Posed(_) => None,
@@ -34,8 +36,9 @@ impl PupilSampler {
         }
     }
 
-    /// Returns the ray from a film point, mm, for a point of the unit disk: the point where it crosses the film's plane
-    /// across the axis, and its slope there; `None` if the film is dark there.
+    /// Returns the ray from a film point, mm, that corresponds to a point of the unit disk: the point where
+    /// the ray crosses the plane through the film's centre perpendicular to the axis, and its slope there;
+    /// `None` if the film is dark at the film point.
     pub fn sample(&self, film: [f64; 2], disk: [f64; 2]) -> Option<([f64; 2], PupilSample)> {
         match self {
             Self::Disk(pupil) => Some((film, pupil.sample(film, disk))),
@@ -44,8 +47,9 @@ impl PupilSampler {
         }
     }
 
-    /// Sets the area per sample, over π, of rays with slopes, NaN outside the sampled region, and replaces their points
-    /// in the plane across the axis by those of the film. Returns the flat film's area over that of its surface.
+    /// Sets the area per sample, divided by π, of rays with given slopes, NaN outside the sampled region.
+    /// Replaces the rays' points in the plane through the film's centre perpendicular to the axis by points
+    /// of the flat film. Returns the ratio of the flat film's area to that of its surface.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn areas<L: Lanes<Scalar = f64>, const U: usize>(
         &self,

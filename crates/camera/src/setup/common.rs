@@ -1,5 +1,5 @@
-//! The settings of every model: pose, clip range, shutter, the mapping of lens samples to a disk, and the part of the
-//! picture that the host renders.
+//! The settings that every model has: pose, clip range, shutter, the mapping of lens samples to a disk, and
+//! the part of the picture that the host renders.
 
 use crate::{
     film::Raster,
@@ -11,8 +11,8 @@ use crate::{
 };
 use realistic_base::message::as_given;
 
-/// Returns the shutter with its share of the interval: that of the parameter if it is given, else the shutter's
-/// default.
+/// Returns the shutter with its share of the interval: the parameter's value if it is given, otherwise the
+/// shutter's default.
 pub fn shutter(given: &Parameters) -> Result<Shutter, ParameterError> {
     let share = |name, given: Option<f64>, own: f32| match given {
         Some(share) => Ok(share as f32),
@@ -27,7 +27,7 @@ pub fn shutter(given: &Parameters) -> Result<Shutter, ParameterError> {
     })
 }
 
-/// Returns the image's pixels, of which there must be at least one.
+/// Returns the image's raster, which must have at least one pixel.
 pub fn raster(host: &Host) -> Result<Raster, CameraError> {
     match host.raster {
         Raster { xres, yres } if xres == 0 || yres == 0 => {
@@ -37,7 +37,8 @@ pub fn raster(host: &Host) -> Result<Raster, CameraError> {
     }
 }
 
-/// Returns the camera's pose and shutter interval, with a clip range of `hither` and `yon`, each times `clip_scale`.
+/// Returns the camera's pose and shutter interval, with the clip range `hither` to `yon`, both multiplied by
+/// `clip_scale`.
 pub fn placement(
     [hither, yon]: [f64; 2],
     clip_scale: f64,
@@ -48,19 +49,20 @@ pub fn placement(
         let range = format!("at least \"hither\", which is {}", as_given(hither));
         return Err(ParameterError::out_of_range("yon", yon, &range).into());
     }
-    // Either order is valid, as in pbrt's stock cameras: time then runs backward.
+    // Either order is valid, as in pbrt's stock cameras; if the shutter closes first, time runs backward.
     let shutter = [given.shutter_open()? as f32, given.shutter_close()? as f32];
     let to_world = match host.to_world.at(shutter[0]) {
-        // A camera with a shutter interval of length 0 does not move within it.
+        // A camera does not move during a shutter interval of length 0.
         at_once if host.leave_out && shutter[0] == shutter[1] => at_once.into_owned().into(),
         _ => host.to_world.clone(),
     };
-    // Unlike its end, a ray's beginning is finite.
+    // The start of a ray must be finite; its end may be infinite.
     let clip = [(hither * clip_scale).min(f32::MAX.into()) as f32, (yon * clip_scale) as f32];
     Ok(Placement { to_world, clip, shutter })
 }
 
-/// Returns the mapping of lens samples to the disk, for a host that may not be able to sample again.
+/// Returns the mapping of lens samples to the disk; an error if the mapping needs new samples and the host
+/// cannot draw them.
 pub fn disk_mapping(given: &Parameters, host: &Host) -> Result<DiskMapping, ParameterError> {
     let mapping = given.disk();
     if mapping == DiskMapping::Rejection && !host.can_redraw {
@@ -95,23 +97,24 @@ pub fn warn_of_unused(model: Model, shutter: Shutter, given: &Parameters, log: L
     }
 }
 
-/// Pixels of a picture: columns from `from[0]` to before `to[0]`, rows from `from[1]` to before `to[1]`.
+/// A part of a picture, in pixels: columns from `from[0]` up to but excluding `to[0]`, rows from `from[1]` up
+/// to but excluding `to[1]`.
 ///
-/// A crop concerns hosts alone. Film, plan, pupil and weights are those of the whole picture, and samples keep its
-/// raster coordinates, so that a ray has the same bits for every crop.
+/// A crop only concerns hosts. Film, plan, pupil and weights are those of the whole picture, and samples keep
+/// the whole picture's raster coordinates, so that a ray has the same bits for every crop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Crop {
     /// The top left pixel: column and row, from 0.
     pub from: [u32; 2],
-    /// The column to the right of the last one, and the row below the last one.
+    /// The column to the right of the last column of the part, and the row below its last row.
     pub to: [u32; 2],
 }
 
 impl Crop {
-    /// Returns the requested part, or the whole raster.
+    /// Returns the requested part of the picture, or the whole raster if none is requested.
     ///
     /// # Errors
-    /// The sides are not whole pixels, enclose none, or lie outside the raster.
+    /// The sides are not whole pixels, enclose no pixel, or lie outside the raster.
     pub fn of(given: &Parameters, Raster { xres, yres }: Raster) -> Result<Self, ParameterError> {
         let Some(sides @ [x0, y0, x1, y1]) = given.crop else {
             return Ok(Self { from: [0; 2], to: [xres, yres] });

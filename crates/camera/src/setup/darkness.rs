@@ -1,4 +1,5 @@
-//! Warns of dark cameras, before a host renders with one for hours: no ray gets through, or most of the film is dark.
+//! Warns of dark cameras, before a host renders with one for hours: cameras in which no ray gets through or
+//! most of the film is dark.
 
 use std::fmt::Write;
 
@@ -12,15 +13,17 @@ use crate::{
 use realistic_base::{message::short, numeric::STEPS};
 use realistic_optics::trace::Blocked;
 
-/// Most samples that are tried, one block at a time; the first block with a ray is the last one.
+/// Maximum number of samples that are tried, one block at a time; the search stops after the first block in
+/// which a ray passes.
 const SAMPLES: usize = 4096;
 const BLOCK: usize = 64;
-/// Number of samples whose outcomes the warning reports: each is a separate trace.
+/// Number of samples whose outcomes the warning reports; each is traced separately.
 const REPORTED: usize = 256;
 
-/// Warns if none of many samples, evenly over picture and pupil, makes a ray, and reports the outcomes of some by
-/// `why_none`. If few do, warns if most of the film of a lens is dark; `lens` holds the film and a function for the
-/// distance from the axis up to which light reaches it.
+/// Warns if none of many samples, spread uniformly over picture and pupil, gives a ray, and reports the
+/// outcomes of some samples as returned by `why_none`. If few samples give a ray, warns if most of a lens's
+/// film is dark; `lens` holds the film and a function that returns the distance from the axis up to which
+/// light reaches the film.
 pub fn warn_of_darkness(
     raster: Raster,
     rays: &RayMaker,
@@ -29,7 +32,7 @@ pub fn warn_of_darkness(
     log: Log<'_>,
 ) {
     let sample = |number: usize| {
-        // Number 0 is the ray along the axis, which passes even the smallest hole.
+        // Sample 0 is the ray along the axis, which passes even the smallest hole.
         let [x, y, u, v] = STEPS.map(|step| (0.5 + (number + 1) as f64 * step).fract());
         Sample {
             image_x: (x * f64::from(raster.xres)) as f32,
@@ -42,7 +45,8 @@ pub fn warn_of_darkness(
     for first in (0..SAMPLES).step_by(BLOCK) {
         let passed = (first..first + BLOCK).filter(|&number| rays.ray(&sample(number)).is_some()).count();
         if passed > 0 {
-            // Most samples of a lit film get through, unless the pupil is sampled wastefully.
+            // Most samples get through to a lit film, unless the sampled region is much larger than the
+            // pupil.
             if let Some((film, lit_radius)) = lens.filter(|_| 2 * passed < BLOCK)
                 && let Some(lit) = lit_radius()
             {
@@ -51,7 +55,7 @@ pub fn warn_of_darkness(
             return;
         }
     }
-    // Missed, clipped, reflected, turned back.
+    // Counts of rays that missed a surface, were clipped, were totally reflected, or turned back.
     let mut counts = [0_u32; 4];
     for number in 0..REPORTED {
         if let Outcome::Blocked(reason) = why_none(&sample(number)) {
@@ -74,8 +78,8 @@ pub fn warn_of_darkness(
     log(Level::Warning, &(text + "; check the lens's diameters, the stop and \"film_distance\""));
 }
 
-/// Warns if light, which reaches `lit` mm from the axis, covers less than half of the film, measured by film points of
-/// samples evenly over the picture.
+/// Warns if light, which reaches `lit` mm from the axis, covers less than half of the film. The covered
+/// fraction is measured at the film points of samples spread uniformly over the picture.
 fn warn_of_dark_film(film: &Film, lit: f64, sample: impl Fn(usize) -> Sample, log: Log<'_>) {
     let corner = film.corner();
     let is_lit = |number: &usize| {

@@ -14,37 +14,38 @@ use realistic_optics::{
 pub struct Facts {
     /// The lens, at the wavelength and stop in use.
     pub lens: Lens,
-    /// Its cardinal points, or the error of an afocal lens.
+    /// The lens's cardinal points, or the error if the lens is afocal.
     pub first_order: Result<FirstOrder, LensError>,
-    /// Its beam of exact rays for a distant object, with the pupils.
+    /// The lens's beam of exact rays from a distant object, with the pupils.
     pub beam: AxialBeam,
     /// The film.
     pub film: Film,
     /// Distance from the last vertex to the film, mm.
     pub film_distance: f64,
-    /// Distance from the film plane to the plane in focus, in mm rather than the units of camera space of the parameter
-    /// `focus_distance`. Infinity if focused at infinity or beyond; `None` if nothing in front of the lens is in focus.
+    /// Distance from the film plane to the plane in focus, mm; the parameter `focus_distance`, in contrast,
+    /// is in units of camera space. Infinity if the lens is focused at infinity or beyond; `None` if nothing
+    /// in front of the lens is in focus.
     pub focus_distance_mm: Option<f64>,
 }
 
 impl Facts {
-    /// Effective focal length, mm; negative for a diverging lens, infinite for an afocal one.
+    /// Returns the effective focal length, mm; negative for a diverging lens, infinite for an afocal one.
     pub fn focal_length(&self) -> f64 {
         self.first_order.as_ref().map_or(f64::INFINITY, |first_order| first_order.focal_length)
     }
 
-    /// Focal length, without its sign, over the diameter of the axial beam at the stop in use; infinite for an afocal
-    /// or a dark lens.
+    /// Returns the absolute focal length divided by the diameter of the axial beam at the stop in use;
+    /// infinite for an afocal lens and for a dark lens.
     pub fn fnumber(&self) -> f64 {
         self.beam.fnumber(self.focal_length())
     }
 
-    /// z of the film, lens space, mm.
+    /// Returns z of the film, lens space, mm.
     pub fn film_z(&self) -> f64 {
         self.lens.rear().vertex - self.film_distance
     }
 
-    /// Prepares focusing.
+    /// Prepares the lens for focusing by exact rays.
     ///
     /// # Errors
     /// The lens is afocal or diverging, or passes no light along its axis.

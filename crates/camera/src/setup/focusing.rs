@@ -11,7 +11,7 @@ use realistic_optics::{
     lens::{Lens, LensError, first_order::FirstOrder},
 };
 
-/// The optics by which the film is placed to focus the lens.
+/// The kind of optics by which the film position that focuses the lens is found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Focusing {
     /// Exact rays.
@@ -23,23 +23,25 @@ pub enum Focusing {
 /// The requested position of the film.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum FilmPosition {
-    /// The lens file's position, or else focused at infinity.
+    /// The position that the lens file gives or, if it gives none, the focus at infinity.
     Nominal,
-    /// This distance behind the last vertex, mm.
+    /// A given distance behind the last vertex, mm.
     At(f64),
-    /// Focused on a plane at this distance in front of the film, mm; may be infinity.
+    /// The focus on a plane at this distance in front of the film, mm; the distance may be infinite.
     FocusedOn(f64),
 }
 
-/// Least number of glass elements of a lens that counts as corrected for the axis, unlike a reading glass.
+/// Smallest number of glass elements of a lens that is assumed to be corrected for axial points, unlike a
+/// reading glass.
 const CORRECTED: usize = 3;
-/// Largest RMS radius of the best image of an axial point, over the radius of the bundle that makes it and over the
-/// focal length; a corrected lens that exceeds both is not a real design. The catalogue's lenses reach 0.0057 and
-/// 0.0007, lenses with one wrong sign mostly several times these.
+/// Largest RMS radius of the best image of an axial point, relative to the radius of the bundle of rays and
+/// relative to the focal length. A corrected lens that exceeds both limits is not a real design. The lenses
+/// of the catalogue reach 0.0057 and 0.0007; lenses with one wrong sign usually reach several times these
+/// values.
 const MOST_BLUR: [f64; 2] = [0.015, 0.0015];
 
-/// Returns film distance and distance in focus, both mm. `log` receives a warning of a lens that makes no sharp image
-/// anywhere.
+/// Returns the film distance and the distance in focus, both in mm. `log` receives a warning if the lens
+/// forms no sharp image anywhere.
 pub(super) fn place_film(
     optics: &FocusableLens,
     position: FilmPosition,
@@ -55,7 +57,8 @@ pub(super) fn place_film(
     let object = match (position, lens.nominal_film_distance) {
         (FilmPosition::At(distance), _) | (FilmPosition::Nominal, Some(distance)) => {
             let in_focus = match focusing {
-                // A lens that cannot focus still takes pictures with its film at the caller's distance.
+                // A lens that cannot focus can still take pictures with its film at the distance that the
+                // caller gives.
                 Focusing::Exact => focus().ok().and_then(|focus| focus.object_distance(distance)),
                 Focusing::Paraxial => first_order.clone()?.object_distance(distance),
             };
@@ -65,7 +68,7 @@ pub(super) fn place_film(
         (FilmPosition::Nominal, None) => f64::INFINITY,
     };
     let focus = focus().map_err(|error| match (focusing, &error) {
-        // The thick and the thin lens cannot exist without a focal length.
+        // The thick and the thin lens are undefined without a focal length.
         (Focusing::Paraxial, FocusError::Lens(LensError::Afocal { .. })) => error.into(),
         _ => CameraError::NoFilmDistance(error),
     })?;
@@ -76,18 +79,18 @@ pub(super) fn place_film(
     Ok((film_distance, Some(object)))
 }
 
-/// Share of the film's diagonal to which the sharpest point may be blurred before a warning, if film is placed and not
-/// focused: some ten circles of confusion.
+/// Largest blur of the sharpest point without a warning, relative to the film's diagonal, for film that is
+/// placed at a given distance and not focused: about ten circles of confusion.
 const MOST_DEFOCUS: f64 = 0.01;
 
-/// Warns of film so near to the lens, or so far from it, that nothing in front of the lens can be in focus. `is_given`
-/// is true for film placed by the caller, false for film placed by the lens file.
+/// Warns of film so near to the lens, or so far from it, that nothing in front of the lens can be in focus.
+/// `is_given` is true for film placed by the caller and false for film placed by the lens file.
 pub(super) fn warn_of_blurred_film(facts: &Facts, optics: &FocusableLens, is_given: bool, log: Log<'_>) {
     let in_focus = facts.focus_distance_mm;
     if in_focus.is_some_and(f64::is_finite) {
         return;
     }
-    // Lenses that cannot focus still take pictures.
+    // Lenses that cannot focus can still take pictures.
     let Ok((focus, infinity)) =
         optics.focus().and_then(|focus| focus.film_distance(f64::INFINITY).map(|infinity| (focus, infinity)))
     else {
@@ -126,8 +129,8 @@ pub(super) fn warn_of_blurred_film(facts: &Facts, optics: &FocusableLens, is_giv
     );
 }
 
-/// Warns of a lens of several elements whose axial image is worse than that of any real design: its description is
-/// wrong.
+/// Warns of a lens of several elements whose axial image is worse than that of any real design, because the
+/// lens's description is then probably wrong.
 fn warn_of_blur(lens: &Lens, focus: &Focus, log: Log<'_>) {
     let elements = lens.surfaces.iter().filter(|surface| surface.n_film > 1.0).count();
     let [spot, bundle] = focus.axial_spot();
@@ -156,7 +159,7 @@ fn paraxial_film_distance(
     if let Some(film_distance) = focus.paraxial_film_distance(distance) {
         return Ok(film_distance);
     }
-    // Object and image are nearest to each other at magnification -1.
+    // The distance between object and image is smallest at magnification -1.
     let film_distance = first_order.back_focal_distance() + first_order.focal_length;
     let object = first_order.front_focal_point + first_order.focal_length;
     let nearest = object - first_order.rear_vertex + film_distance;

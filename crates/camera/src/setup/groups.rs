@@ -1,5 +1,5 @@
-//! Places the groups of a lens by zoom and focus: takes a prescription; returns it with its groups in position, and
-//! with the film distance that results.
+//! Places the groups of a lens for a zoom and a focus: returns a prescription with its groups in position,
+//! and with the resulting film distance.
 
 use super::focusing::Focusing;
 use crate::parameters::{CameraError, FocusBy, ParameterError, Parameters, Zoom};
@@ -14,8 +14,9 @@ use realistic_optics::{
     prescription::Prescription,
 };
 
-/// Returns the prescription zoomed to `zoom`, or at its first position, and focused by its groups if `focus_by` requests
-/// that. `set_up` makes a lens from a prescription at the wavelength and stop in use. Without positions nothing moves.
+/// Returns the prescription zoomed to `zoom`, or at its first position, and focused by its groups if
+/// `focus_by` requests that. `set_up` makes a lens from a prescription at the wavelength and stop in use. If
+/// the prescription has no positions, nothing moves.
 pub(super) fn place_groups(
     prescription: Prescription,
     given: &Parameters,
@@ -32,7 +33,8 @@ pub(super) fn place_groups(
     }
 }
 
-/// Returns the nearest and the farthest plane that the groups of a lens focus on, by exact rays, at the zoom `zoom`.
+/// Returns the nearest and the farthest plane on which the groups of a lens can focus, by exact rays, at the
+/// zoom `zoom`.
 pub(super) fn reach(
     prescription: &Prescription,
     given: &Parameters,
@@ -44,8 +46,8 @@ pub(super) fn reach(
     GroupFocus::new(&travel, Focusing::Exact, set_up)?.reach()
 }
 
-/// Returns the travel of the groups as the lens focuses, at `zoom` or its first position; `None` if they do not move.
-/// It is an error if a lens that is to be focused by its groups has none.
+/// Returns the travel of the groups during focusing, at `zoom` or at the first position; `None` if the groups
+/// do not move. Returns an error if a lens that is to be focused by its groups has no moving groups.
 fn travel(
     prescription: &Prescription,
     given: &Parameters,
@@ -54,7 +56,7 @@ fn travel(
     let by_groups = given.focus_by() == FocusBy::Group;
     let lens = || prescription.name.clone();
     let groups = MovingGroups::of(prescription);
-    // The film's position must not depend on the light in use.
+    // The film's position must not depend on the wavelength and stop in use.
     let image = |prescription: &Prescription, vergence: f64| {
         let image = FocusImage::of(OpenLens::new(Lens::at_own_wavelength(prescription)), focusing).ok()?;
         Some(image.distance(vergence)).filter(|distance| distance.is_finite())
@@ -72,25 +74,26 @@ fn travel(
     Ok(travel)
 }
 
-/// Returns the distance that the groups focus at, mm from the film, if they focus the lens and it is given.
+/// Returns the distance at which the groups are focused, mm from the film; `None` if the groups do not focus
+/// the lens or no distance is given.
 pub(super) fn focus_distance(given: &Parameters) -> Result<Option<f64>, ParameterError> {
     let distance = given.focus_distance()?.filter(|_| given.focus_by() == FocusBy::Group);
     distance.map(|distance| Ok(distance * given.mm_per_unit()?)).transpose()
 }
 
-/// A lens that focuses by its groups, with its film fixed.
+/// A lens that is focused by its groups, with its film fixed.
 struct GroupFocus<'a, S> {
     travel: &'a FocusTravel,
     focusing: Focusing,
     set_up: S,
-    /// Film distance of a table that has none, mm.
+    /// Film distance to use if the lens table has none, mm.
     film: Option<f64>,
 }
 
-/// The image of points of a lens's axis.
+/// The images of points on a lens's axis.
 struct FocusImage {
     first_order: FirstOrder,
-    /// The exact image; `None` for first-order optics.
+    /// The image by exact rays; `None` for first-order optics.
     exact: Option<AxialImage>,
     /// Distance from the first vertex to the last, mm.
     length: f64,
@@ -106,8 +109,8 @@ impl FocusImage {
         Ok(Self { first_order: first_order?, exact, length: -lens.rear().vertex })
     }
 
-    /// Returns the distance from the last vertex to the image of the axial point that lies 1/`vergence` mm in front of
-    /// the first.
+    /// Returns the distance from the last vertex to the image of the axial point that lies 1/`vergence` mm in
+    /// front of the first vertex.
     fn distance(&self, vergence: f64) -> f64 {
         match &self.exact {
             Some(exact) => exact.best(vergence).distance,
@@ -115,9 +118,11 @@ impl FocusImage {
         }
     }
 
-    /// Returns the distance by which that image lies behind a film `film_distance` mm behind the last vertex, positive
-    /// or negative, over that distance. It grows monotonically as the image goes from inside the lens through the film
-    /// and infinity to a virtual image, whose bundles leave the lens diverging.
+    /// Returns the signed distance by which the image of [`FocusImage::distance`] lies behind a film
+    /// `film_distance` mm behind the last vertex, divided by the larger of the two distances (for a virtual
+    /// image, by the image's distance). The result grows monotonically as the image moves from inside the
+    /// lens through the film and infinity until it is a virtual image, whose bundles leave the lens
+    /// diverging.
     fn beyond(&self, vergence: f64, film_distance: f64) -> f64 {
         let image = self.distance(vergence);
         let is_virtual = image < -self.length || vergence * self.first_order.front_focal_point > 1.0;
@@ -134,29 +139,32 @@ impl<'a, S: Fn(&Prescription) -> Result<OpenLens, CameraError>> GroupFocus<'a, S
         let mut groups = Self { travel, focusing, set_up, film: None };
         let first = travel.at(travel.start());
         if first.nominal_film_distance.is_none() {
-            // The film distance at which the first position images its object sharply.
+            // The film distance at which the lens in its first position images that position's object
+            // sharply.
             let image = FocusImage::of((groups.set_up)(&first)?, focusing)?;
             groups.film = Some(image.distance(travel.start()));
         }
         Ok(groups)
     }
 
-    /// Returns the lens at one focus position of [`FocusTravel`], a vergence, with its image and its film distance.
+    /// Returns the lens at one focus position of [`FocusTravel`] (a vergence), with its image and its film
+    /// distance.
     fn at(&self, position: f64) -> Result<(Prescription, FocusImage, f64), CameraError> {
         let mut prescription = self.travel.at(position);
         let image = FocusImage::of((self.set_up)(&prescription)?, self.focusing)?;
         let film = prescription.nominal_film_distance.or(self.film);
-        // A last gap that closes leaves no film distance.
+        // If the last gap of the table is closed, no film distance is known.
         let film_distance = film.unwrap_or_else(|| image.distance(position));
         prescription.nominal_film_distance = Some(film_distance);
         Ok((prescription, image, film_distance))
     }
 
-    /// Returns the distance by which the image of the plane `distance` mm in front of the film lies behind the film.
+    /// Returns the distance by which the image of the plane `distance` mm in front of the film lies behind
+    /// the film, in the measure of [`FocusImage::beyond`].
     fn beyond_film(&self, position: f64, distance: f64) -> Result<f64, CameraError> {
         let (_, image, film_distance) = self.at(position)?;
         let object = distance - image.length - film_distance;
-        // A plane in the lens has no image on any film.
+        // A plane inside the lens has no image on any film.
         Ok(if object > 0.0 { image.beyond(object.recip(), film_distance) } else { 1.0 })
     }
 
@@ -165,14 +173,14 @@ impl<'a, S: Fn(&Prescription) -> Result<OpenLens, CameraError>> GroupFocus<'a, S
         let at = |position: f64| -> Result<Conjugates, CameraError> {
             let (_, image, film_distance) = self.at(position)?;
             let beyond = |vergence| image.beyond(vergence, film_distance);
-            // The front focal point has its image at infinity, if it lies in front of the lens.
+            // The front focal point is imaged to infinity, if that point lies in front of the lens.
             let FirstOrder { front_focal_point: focal_point, focal_length, .. } = image.first_order;
             let end = if focal_point > 0.0 { focal_point.recip() } else { 1e3 / focal_length.abs() };
             let from_film = |vergence: f64| vergence.recip() + image.length + film_distance;
             let object_distance = match (beyond(0.0) >= 0.0, beyond(end) >= 0.0) {
                 (true, _) => f64::INFINITY,
                 (false, true) => from_film(root(0.0, end, beyond)),
-                // Even a plane that touches the lens is out of focus.
+                // Even a plane that touches the lens is not in focus.
                 (false, false) => from_film(f64::INFINITY),
             };
             Ok(Conjugates { object_distance, film_distance })
@@ -207,7 +215,8 @@ mod tests {
         prescription::{Position, Positions, catalogue, read},
     };
 
-    /// Returns a lens of the catalogue that focuses as a whole, from infinity to half a metre before its first vertex.
+    /// Returns a lens of the catalogue that focuses by moving as a whole, from infinity to half a metre in
+    /// front of its first vertex.
     fn whole_lens(name: &str, film: f64) -> Prescription {
         let mut prescription = catalogue::find(name).expect("listed");
         let columns = [(film, None), (film + 6.0, Some(500.0))].map(|(film, object_distance)| Position {
@@ -220,7 +229,8 @@ mod tests {
         prescription
     }
 
-    /// US 4,392,724 (Y. Hamanishi, Nippon Kogaku 1983), example 1: 105 mm f/2.8 of floating groups, to 1 : 2.
+    /// US 4,392,724 (Y. Hamanishi, Nippon Kogaku 1983), example 1: a 105 mm f/2.8 lens with floating groups,
+    /// which focuses down to 1 : 2.
     const MICRO: &str = "\
 74.5 5 1.77279 37.9
 -1042.7 0.15 1 37.4
@@ -315,8 +325,8 @@ mod tests {
         let length: f64 = close.interfaces.iter().map(|interface| interface.thickness).sum();
         let distance = (254.996 + length + close.nominal_film_distance.expect("stated")).to_string();
         let requested = [("focus_by", "group"), ("focus_distance", &*distance)];
-        // Exact rays through f/4 are in focus slightly before the paraxial image: by a hundredth of the travel of 26
-        // mm.
+        // At f/4, exact rays are in focus slightly in front of the paraxial image, by a hundredth of the
+        // travel of 26 mm.
         for (focusing, most) in [(Focusing::Paraxial, 1e-3), (Focusing::Exact, 0.26)] {
             let found = placed(&lens, &requested, focusing).expect("in reach");
             for row in [5, 11] {
@@ -365,7 +375,8 @@ mod tests {
         let fixed = catalogue::find("dgauss.50mm").expect("listed");
         assert!(refused(&fixed, &[("zoom", "wide")]).contains("one focal length"));
         assert!(refused(&fixed, &[("focus_by", "group")]).contains("no positions for near objects"));
-        // Too short for its lens: even at the end of the travel infinity is imaged behind the film.
+        // The film distance is too short for the lens: even at the end of the travel, infinity is imaged
+        // behind the film.
         let short = whole_lens("dgauss.50mm", 20.0);
         let short = refused(&short, &[("focus_by", "group"), ("focus_distance", "inf")]);
         assert!(short.contains("reaches from "), "{short}");

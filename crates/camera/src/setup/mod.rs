@@ -1,8 +1,10 @@
-//! Builds the checked set-up of a model from parameters and host: each parameter is read here, once.
+//! Builds the checked set-up of a model from the parameters and the host's data; each parameter is read here,
+//! once.
 //!
-//! `common` holds the settings of every model, `prescribed` the set-up of the models with a lens file, with the film
-//! placed by `focusing` and the lens's groups by `groups`; `facts` is the part that users may query. Settings of the
-//! projections alone are read in `models::stock_cameras`. `darkness` tests the camera once it is built.
+//! `common` contains the settings of every model, and `prescribed` the set-up of the models with a lens file.
+//! `focusing` places the film and `groups` the lens's groups. `facts` is the part that users may query.
+//! Settings that only the projections have are read in `models::stock_cameras`. `darkness` tests a camera
+//! after it has been built.
 
 mod common;
 mod darkness;

@@ -1,5 +1,5 @@
-//! The set-up of the models with a lens file: the lens, the film's position, and the camera's settings. A parameter
-//! replaces the lens file's value, such as the blades in its stop and its coatings.
+//! The set-up of the models with a lens file: the lens, the film's position, and the camera's settings. A
+//! parameter overrides the value in the lens file, for example the blades of the stop or the coatings.
 
 use std::sync::Arc;
 
@@ -36,23 +36,23 @@ use realistic_optics::{
 #[derive(Clone, Debug)]
 pub struct Setup {
     pub facts: Facts,
-    /// Data that another camera of this lens may take over.
+    /// The parts of the set-up that another camera with this lens may reuse.
     pub shared: SharedLens,
     /// The medium on the film's side of each surface.
     pub media: Vec<Medium>,
-    /// Absorption of each medium, if it is known.
+    /// Absorption of each medium; `None` if it is not known.
     pub transmittances: Vec<Option<Arc<InternalTransmittance>>>,
-    /// The blades in the stop, if it is not round.
+    /// The blades in the stop; `None` for a round stop.
     pub blades: Option<Blades>,
     pub refraction: Refraction,
     pub pupil: Pupil,
     pub mapping: DiskMapping,
     pub weighting: Weighting,
-    /// The coatings of the surfaces, if weights include their transmission.
+    /// The coatings of the surfaces, if weights include the surfaces' transmission.
     pub coatings: Option<Vec<SurfaceCoating>>,
-    /// Share of the samples that follow paths with two reflections; more than 0 only with coatings.
+    /// Share of the samples that follow paths with two reflections; greater than 0 only with coatings.
     pub ghosts: f64,
-    /// Factor of radiometric weights: 1 unless the exposure is given.
+    /// Factor of radiometric weights; 1 if no exposure is given.
     pub exposure: f64,
     pub precision: Option<Precision>,
     /// Tolerance, pixels; 0 for exact tracing.
@@ -63,7 +63,8 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// Reads and checks the parameters of these models. Takes from the donor what follows from the same input.
+    /// Reads and checks the parameters of these models. Reuses the parts of the donor that depend only on
+    /// unchanged input.
     pub fn of(
         given: &Parameters,
         host: &Host,
@@ -79,7 +80,7 @@ impl Setup {
         let prescription = &in_use.prescription;
         let (film_distance, in_focus) =
             place_film(&in_use.optics, film_position(given)?, focusing, log).map_err(with_units)?;
-        // If the groups are focused, the distance in focus is the requested one.
+        // If the groups focus the lens, the distance in focus is the requested one.
         let focus_distance_mm = focus_distance(given)?.or(in_focus);
         let OpenLens { lens, first_order, beam } = in_use.optics.lens.clone();
         check_reach(&lens, film_distance, units.mm)?;
@@ -112,7 +113,7 @@ impl Setup {
         })
     }
 
-    /// Whether a ray's own wavelength changes anything, by a glass or by a coating's transmission.
+    /// Whether the wavelength of a ray matters, because of a glass or of a coating.
     pub fn is_dispersive(&self) -> bool {
         self.media.iter().any(Medium::is_dispersive)
             || self.coatings.iter().flatten().any(SurfaceCoating::is_dispersive)
@@ -153,10 +154,10 @@ pub fn blades(given: &Parameters, prescription: &Prescription) -> Result<Option<
     }))
 }
 
-/// Returns the coatings of a lens's surfaces, from the scene on; `None` if nothing is lost at them.
+/// Returns the coatings of a lens's surfaces, from the scene on; `None` if the surfaces lose no light.
 ///
 /// # Errors
-/// The coatings of the lens file are requested, but it names none.
+/// The coatings of the lens file are requested, but the lens file names none.
 pub fn coatings(
     transmission: Transmission,
     prescription: &Prescription,
@@ -170,10 +171,11 @@ pub fn coatings(
     Ok(transmission.of_all().map(all))
 }
 
-/// Returns the film on its surface.
+/// Returns the film with its surface.
 ///
 /// # Errors
-/// There are no pixels, a number is out of range, or the film reaches beyond the sphere that it is curved along.
+/// The image has no pixels, a number is out of range, or the film reaches beyond the sphere along which it is
+/// curved.
 fn film(given: &Parameters, host: &Host) -> Result<Film, CameraError> {
     let shift = [given.film_shift_x()?, given.film_shift_y()?];
     let tilt = [given.film_tilt_x()?, given.film_tilt_y()?];
@@ -185,9 +187,9 @@ fn film(given: &Parameters, host: &Host) -> Result<Film, CameraError> {
     Ok(film)
 }
 
-/// Returns the factor of radiometric weights that makes them an exposure as OpenUSD's cameras have it, 1 if none of its
-/// parameters is given: the weights' mean on the axis is then the linear exposure scale of a camera whose
-/// `exposure:fStop` is the lens's T-number.
+/// Returns the factor of radiometric weights that turns them into an exposure as defined by OpenUSD's
+/// cameras; 1 if none of the exposure parameters is given. With the factor, the mean weight on the axis is
+/// the linear exposure scale of a camera whose `exposure:fStop` is the lens's T-number.
 ///
 /// # Errors
 /// A number is out of range, or weights are not radiometric.
@@ -203,7 +205,8 @@ fn exposure(given: &Parameters) -> Result<f64, CameraError> {
     if weighting != Weighting::Radiometric {
         return Err(CameraError::Exposure { name, weighting });
     }
-    // A T-number is sqrt(π/(4 E)), E the irradiance on the axis: 1/T² is 4/π of the weights' mean.
+    // The T-number is sqrt(π/(4 E)), where E is the irradiance on the axis, so 1/T² is 4/π times the mean
+    // weight.
     let linear = iso.unwrap_or(100.0) / 100.0 * time.unwrap_or(1.0) * responsivity.unwrap_or(1.0);
     Ok(4.0 / std::f64::consts::PI * linear * stops.unwrap_or(0.0).exp2())
 }
@@ -223,10 +226,10 @@ fn ghosts(given: &Parameters, film: &Film) -> Result<f64, CameraError> {
     Ok(share)
 }
 
-/// Finds the lens of `lens_file` (or the host's `lens_text`), and sets it up at `wavelength`, `zoom` and the stop of
-/// `aperture_diameter` or `fnumber`; if `focus_by` selects its groups, it is focused at `focus_distance`. The
-/// prescription has its groups in position, besides the positions that its file lists. Other parameters are ignored. `log`
-/// receives warnings.
+/// Finds the lens of `lens_file` (or the host's `lens_text`), and sets it up at `wavelength`, at `zoom` and
+/// at the stop of `aperture_diameter` or `fnumber`. If `focus_by` selects the groups, the lens is focused at
+/// `focus_distance`. In the returned prescription, the groups are in position, and the positions that the
+/// lens file lists are kept. Other parameters are ignored. `log` receives warnings.
 ///
 /// # Errors
 /// The lens does not exist, a file is not a lens, a value is out of range, or the lens cannot be scaled, zoomed,
@@ -251,7 +254,7 @@ fn open(
     SharedLens::of((given, host), donor, || read_lens(given, host), place_lens, log)
 }
 
-/// Returns the lens with its groups in position, at a wavelength and stop.
+/// Returns the lens with its groups in position, at a given wavelength and stop.
 fn placed(
     prescription: &Prescription,
     (wavelength, stop): (f64, StopSize),
@@ -279,7 +282,7 @@ fn read_lens(given: &Parameters, host: &Host) -> Result<Prescription, CameraErro
         }
         (None, Some(name)) => find(name, glasses, &host.search)?,
         (None, None) => {
-            // The built-in lens names no glass, but a given catalogue must exist.
+            // The built-in lens names no glasses, but a catalogue that is given must exist.
             glass_library(glasses, &host.search)?;
             catalogue::default()
         }
@@ -288,7 +291,7 @@ fn read_lens(given: &Parameters, host: &Host) -> Result<Prescription, CameraErro
     Ok(prescription)
 }
 
-/// Returns the wavelength, nm, and the size of the stop.
+/// Returns the wavelength, nm, and the size of the stop that the parameters request.
 fn light(given: &Parameters, prescription: &Prescription) -> Result<(f64, StopSize), ParameterError> {
     let stop = match (given.aperture_diameter()?, given.fnumber()?) {
         (Some(_), Some(_)) => return Err(both("fnumber", "aperture_diameter")),
@@ -299,11 +302,11 @@ fn light(given: &Parameters, prescription: &Prescription) -> Result<(f64, StopSi
     Ok((given.wavelength()?.unwrap_or_else(|| prescription.own_wavelength()), stop))
 }
 
-/// Returns the nearest and the farthest plane that the lens of [`open_lens`] focuses on by its groups, by exact rays,
-/// with the film distance there; `focus_by` and `focus_distance` are ignored.
+/// Returns the nearest and the farthest plane on which the lens of [`open_lens`] focuses by moving its
+/// groups, by exact rays, each with its film distance; `focus_by` and `focus_distance` are ignored.
 ///
 /// # Errors
-/// The errors of [`open_lens`], and a lens whose table does not describe how its groups move to focus.
+/// The errors of [`open_lens`]; also if the lens's table does not describe how the groups move to focus.
 pub fn group_reach(given: &Parameters, host: &Host) -> Result<[Conjugates; 2], CameraError> {
     let prescription = read_lens(given, host)?;
     let (wavelength, stop) = light(given, &prescription)?;
@@ -311,9 +314,10 @@ pub fn group_reach(given: &Parameters, host: &Host) -> Result<[Conjugates; 2], C
     reach(&prescription, given, silent)
 }
 
-/// Returns the distance from the last vertex to the film, mm, for `film_distance` or `focus_distance` (units of camera
-/// space), by exact rays. If neither is given, or the groups of the lens are focused instead (`focus_by`), it is the
-/// lens file's distance, or else the focus at infinity.
+/// Returns the distance from the last vertex to the film, mm, for the given `film_distance` or
+/// `focus_distance` (units of camera space), by exact rays. If neither is given, or if the groups of the lens
+/// are focused instead (`focus_by`), returns the lens file's distance or, if it has none, the distance that
+/// focuses at infinity.
 ///
 /// # Errors
 /// A value is out of range, both distances are given, or the lens cannot focus there.
@@ -322,13 +326,13 @@ pub fn film_distance(given: &Parameters, lens: &Lens) -> Result<f64, CameraError
         .map(|(film_distance, _)| film_distance)
 }
 
-/// Farthest reach of a camera from its front vertex, world units: a transform may stretch it 1e15 times, and it still
-/// fits in a float.
+/// Largest distance of any part of a camera from its front vertex, world units: even if a transform stretches
+/// it 1e15 times, it fits in a float.
 const FARTHEST: f64 = 1e22;
-/// Farthest reach in mm: squares of lengths stay in range.
+/// Largest distance of any part in mm, so that squares of lengths stay in range.
 const FARTHEST_MM: f64 = 1e50;
 
-/// Checks that points of the lens and the film fit in floats, which hosts take.
+/// Checks that the coordinates of lens and film fit in floats, the type that hosts accept.
 fn check_reach(lens: &Lens, film_distance: f64, mm_per_unit: f64) -> Result<(), CameraError> {
     let of_surface = |surface: &Surface| surface.vertex.abs() + surface.semi_diameter;
     let reach = lens.surfaces.iter().map(of_surface).fold(film_distance, f64::max);
@@ -348,13 +352,13 @@ fn film_position(given: &Parameters) -> Result<FilmPosition, ParameterError> {
     })
 }
 
-/// Returns the units of camera space and of the world when the shutter opens.
+/// Returns the units of camera space and of the world at the time when the shutter opens.
 fn units(given: &Parameters, host: &Host) -> Result<Units, ParameterError> {
     let to_world = host.to_world.at(given.shutter_open()? as f32);
     Ok(Units::new(given.mm_per_unit()?, to_world.axial_scale()))
 }
 
-/// Adds the unit of `focus_distance` to the error of a distance that may be meant in another unit.
+/// Adds the unit of `focus_distance` to the error of a distance that may have been meant in another unit.
 fn with_units(error: CameraError, parameters: &Parameters, units: Units) -> CameraError {
     let may_be_others = units.differ() || parameters.mm_per_unit.is_none();
     match (error, parameters.focus_distance) {
@@ -365,8 +369,8 @@ fn with_units(error: CameraError, parameters: &Parameters, units: Units) -> Came
     }
 }
 
-/// Reports the length of a world unit if the camera transform scales. Warns if `mm_per_unit` is given, too: it is easily
-/// mistaken for the length of a world unit, which then counts twice.
+/// Reports the length of a world unit if the camera transform scales. Warns if `mm_per_unit` is given, too:
+/// users easily mistake it for the length of a world unit, and the scale is then applied twice.
 fn tell_units(units: Units, given: &Parameters, log: Log<'_>) {
     if !units.differ() {
         return;
@@ -388,8 +392,8 @@ fn tell_units(units: Units, given: &Parameters, log: Log<'_>) {
     );
 }
 
-/// Warns if `hither` and `yon`, units of camera space, exclude the plane in focus: they were probably meant in other
-/// units.
+/// Warns if `hither` and `yon`, in units of camera space, exclude the plane in focus, because they were then
+/// probably meant in other units.
 fn warn_of_clipped_focus(facts: &Facts, [hither, yon]: [f64; 2], mm_per_unit: f64, log: Log<'_>) {
     let Some(focus_distance) = facts.focus_distance_mm.filter(|distance| distance.is_finite()) else {
         return;

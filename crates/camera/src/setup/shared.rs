@@ -1,10 +1,12 @@
-//! Data that cameras of one lens share, whatever their focus: the lens as read, and its last set-up.
+//! Data that cameras with the same lens share, whatever their focus: the lens as read, and its most recent
+//! set-up.
 //!
-//! A camera keeps both ([`SharedLens`]). Another camera built from it takes over everything that follows from the same
-//! input and computes the rest, so that it has the bits of a camera built without the first one. Two conditions are
-//! tested. If the same description identifies the lens, nothing is read or checked again. If its groups, wavelength and
-//! stop are unchanged, then surfaces, bounds of aspheres, first-order optics and the start of focusing are reused.
-//! Messages are stored with their subject and are logged again.
+//! A camera keeps both ([`SharedLens`]). Another camera that is built from it reuses everything that depends
+//! only on unchanged input and computes the rest, so that it is bit-identical to a camera built from scratch.
+//! Two conditions are tested. If the lens is identified by the same description, nothing is read or checked
+//! again. If its groups, wavelength and stop are unchanged, the surfaces, the bounds of aspheres, the
+//! first-order optics and the start of focusing are reused. Messages are stored together with the data that
+//! caused them and are logged again.
 
 use std::sync::{Arc, OnceLock};
 
@@ -27,7 +29,7 @@ pub struct SharedLens {
     pub in_use: Arc<LensInUse>,
 }
 
-/// The source that a lens is read from.
+/// The source from which a lens is read.
 #[derive(Debug, PartialEq)]
 pub(super) struct LensSource {
     lens_file: Option<String>,
@@ -36,7 +38,7 @@ pub(super) struct LensSource {
     search: SearchPath,
 }
 
-/// A lens with its groups in position, at a wavelength and stop.
+/// A lens with its groups in position, at a given wavelength and stop.
 #[derive(Debug)]
 pub struct LensInUse {
     pub prescription: Prescription,
@@ -45,7 +47,7 @@ pub struct LensInUse {
     messages: Vec<(Level, String)>,
 }
 
-/// A lens with first-order optics, and the start of its focusing once that has been computed.
+/// A lens with its first-order optics and, once it has been computed, the start of its focusing.
 #[derive(Clone, Debug)]
 pub struct FocusableLens {
     pub lens: OpenLens,
@@ -53,8 +55,9 @@ pub struct FocusableLens {
 }
 
 impl SharedLens {
-    /// Returns the lens of the parameters: `read` reads it, `place_lens` positions its groups at the wavelength and stop of
-    /// `light`. Takes from the donor what follows from the same input.
+    /// Returns the lens that the parameters describe: `read` reads it, and `place_lens` positions its groups
+    /// at the wavelength and stop of `light`. Reuses the parts of the donor that depend only on unchanged
+    /// input.
     pub fn of<E: From<LensError>>(
         (given, host): (&Parameters, &Host),
         donor: Option<&Self>,
@@ -109,7 +112,7 @@ impl From<OpenLens> for FocusableLens {
 }
 
 impl FocusableLens {
-    /// Returns the start of the lens's focusing.
+    /// Returns the start of the lens's focusing, which is computed on the first call.
     ///
     /// # Errors
     /// The lens cannot focus.

@@ -1,9 +1,10 @@
-//! A camera's rays at wavelengths of their own: takes a sample and a wavelength; returns the ray and its weight through
-//! the lens with the glasses' indices at that wavelength.
+//! A camera's rays with wavelengths of their own: for a sample and a wavelength, the ray and its weight
+//! through the lens with the refractive indices at that wavelength.
 //!
-//! For this a camera keeps the media between its surfaces ([`Spectral`]); everything else is built at the first
-//! request. Lens, film and stop keep the positions of the camera's own wavelength, and so does the factor of its
-//! weights, so that brightness at two wavelengths differs only by the effect of the lens.
+//! For such rays a camera keeps the media between its surfaces ([`Spectral`]); everything else is built on
+//! the first request. The lens, the film and the stop keep the positions for the camera's own wavelength, and
+//! the factor of the weights stays the same, so that only the effect of the lens makes the brightness at two
+//! wavelengths differ.
 
 mod optics;
 
@@ -47,13 +48,15 @@ pub struct Spectral {
 /// The data that the first request builds.
 struct BuiltOptics {
     tracer: Arc<dyn LensTracer>,
-    /// The lens for rays one at a time: those of ghosts, and those whose transmission or outcome is requested.
+    /// The lens for rays that are traced one at a time: ghosts, and rays whose transmission or outcome is
+    /// requested.
     paths: Arc<SpectralPaths>,
     range: RangeInclusive<f32>,
 }
 
 impl Spectral {
-    /// Prepares a camera with this lens, whose rays are traced in a precision, and its ghosts, if it has any.
+    /// Prepares a camera with this lens, its ghosts if it has any, and the precision in which its rays are
+    /// traced.
     pub fn new(
         optics: LensOfMedia,
         body: CameraBody,
@@ -88,7 +91,8 @@ impl Spectral {
         let (pupil, side) = (self.pupil(range), &self.body.film_side);
         let sampler = match &side.sampler {
             PupilSampler::Warped(own) if pupil.is_none() => PupilSampler::Disk(own.cover_disk()),
-            // A table over x, y and wavelength would take a minute; the disk that holds every pupil is right, but noisier.
+            // A table over x, y and wavelength would take a minute to build; the disk that contains every
+            // pupil is correct but noisier.
             PupilSampler::Posed(own) => PupilSampler::Posed(Arc::new(own.over_disk())),
             sampler => sampler.clone(),
         };
@@ -105,7 +109,7 @@ impl Spectral {
         }
     }
 
-    /// Returns the true pupil at all wavelengths, if that is sampled.
+    /// Returns the true pupil at all wavelengths; `None` if the true pupil is not sampled.
     fn pupil(&self, range: &RangeInclusive<f32>) -> Option<SpectralPupil> {
         let FilmSide { film, z, sampler: PupilSampler::Warped(_), .. } = &self.body.film_side else {
             return None;
@@ -130,13 +134,13 @@ impl Spectral {
         self.built.get().is_some()
     }
 
-    /// Returns the tracer of the rays; built by the first call.
+    /// Returns the tracer of the rays; the first call builds it.
     pub fn tracer(&self) -> &dyn LensTracer {
         &*self.built().tracer
     }
 
-    /// Returns the wavelengths, nm, at which the lens has rays: those of [`WAVELENGTHS`] at which every medium has an
-    /// index.
+    /// Returns the range of wavelengths, nm, at which the lens has rays: those in [`WAVELENGTHS`] at which
+    /// every medium has a refractive index.
     pub fn range(&self) -> &RangeInclusive<f32> {
         &self.built().range
     }

@@ -1,4 +1,5 @@
-//! A lens at any wavelength: the media between its surfaces, and the wavelengths at which they have indices.
+//! A lens at any wavelength: the media between its surfaces, and the wavelengths at which these media have
+//! refractive indices.
 
 use std::{ops::RangeInclusive, sync::Arc};
 
@@ -15,21 +16,22 @@ use realistic_optics::{
 /// Wavelengths that may be requested, nm.
 pub const WAVELENGTHS: RangeInclusive<f32> = 380.0..=780.0;
 
-/// A lens with the media between its surfaces; gives the lens at any wavelength.
+/// A lens with the media between its surfaces, from which the lens at any wavelength follows.
 #[derive(Clone, Debug)]
 pub struct LensOfMedia {
     /// The lens at the camera's own wavelength and stop.
     pub lens: Lens,
     /// The medium on the film's side of each surface.
     pub media: Vec<Medium>,
-    /// Absorption of each medium, if it is known.
+    /// Absorption of each medium; `None` if it is not known.
     pub transmittances: Vec<Option<Arc<InternalTransmittance>>>,
-    /// The blades in the stop, if it is not round.
+    /// The blades in the stop; `None` for a round stop.
     pub blades: Option<Blades>,
 }
 
 impl LensOfMedia {
-    /// Returns the lens at a wavelength, nm: the same surfaces and stop, with the indices there.
+    /// Returns the lens at a wavelength, nm, with the same surfaces and stop and the refractive indices at
+    /// that wavelength.
     pub fn at(&self, wavelength: f64) -> Lens {
         let mut lens = Lens { wavelength, ..self.lens.clone() };
         let mut n_scene = 1.0;
@@ -50,7 +52,8 @@ impl LensOfMedia {
         Path::new(&lens, Direction::FilmToScene, Refraction::Fused).with_blades(&lens, self.blades)
     }
 
-    /// Returns the lens for rays one at a time at wavelengths within a range, nm; bare without coatings.
+    /// Returns the lens for rays traced one at a time, at wavelengths in a range, nm; without coatings the
+    /// surfaces are bare.
     pub fn paths(&self, range: &RangeInclusive<f32>, coatings: Option<&[SurfaceCoating]>) -> SpectralPaths {
         let mut largest = self.lens.clone();
         for nm in [range.start(), range.end()].map(|nm| f64::from(*nm)) {
@@ -69,8 +72,9 @@ impl LensOfMedia {
         SpectralPaths::new(&largest, self.blades, &coatings, Arc::new(medium))
     }
 
-    /// Returns the wavelengths, nm, at which every medium has an index of 1 to 5: the longest run of whole numbers.
-    /// Most glasses have one everywhere; a formula that was fitted elsewhere may not.
+    /// Returns the longest run of whole-number wavelengths, nm, at which every medium has a refractive index
+    /// from 1 to 5. Most glasses have such an index at every wavelength; a formula that was fitted to other
+    /// wavelengths may not.
     pub fn range(&self) -> RangeInclusive<f32> {
         let has_index = |medium: &Medium, nm: f32| {
             let index = refractive_index(*medium, nm.into());
@@ -93,5 +97,5 @@ impl LensOfMedia {
     }
 }
 
-/// Largest plausible index.
+/// Largest plausible refractive index.
 const MOST_INDEX: f64 = 5.0;

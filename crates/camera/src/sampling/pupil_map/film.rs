@@ -23,26 +23,27 @@ pub struct WarpedPupil {
 /// Size and cost of a table.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BuildReport {
-    /// Film radii in the table.
+    /// Number of film radii in the table.
     pub nodes: usize,
-    /// Rays traced.
+    /// Number of rays traced.
     pub rays: u32,
-    /// Share of the film radius over which the rear element's disk is used instead of the pupil.
+    /// Fraction of the film radius over which the rear element's disk is sampled instead of the pupil.
     pub covered: f64,
 }
 
-/// Film radii at which more than the pupil is sampled.
+/// A range of film radii for which a region larger than the pupil is sampled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GivenUp {
     /// First and last radius, mm.
     pub radii: [f64; 2],
     /// The reason.
     pub reason: MapFailure,
-    /// Least share of samples found to get through in cells with any; 0 if none has any.
+    /// Smallest share of samples found to pass the lens, over the cells with any that pass; 0 if there is no
+    /// such cell.
     pub acceptance: f64,
 }
 
-/// Constants of a look-up, in the precision of the lanes.
+/// Constants of look-ups, in the precision of the lanes.
 #[derive(Clone, Copy, Debug)]
 pub struct LanePupil<S> {
     pub(super) map: MapConstants<S>,
@@ -56,8 +57,8 @@ impl<S: Scalar> LanePupil<S> {
 }
 
 impl WarpedPupil {
-    /// Tabulates the pupils of film points up to `reach` mm from the axis, on film at `film` (z in lens space). `cover` is a disk
-    /// that holds them all, `exit` the paraxial exit pupil.
+    /// Tabulates the pupils of film points up to `reach` mm from the axis, for film at z = `film` (lens
+    /// space). `cover` is a disk that contains all these pupils; `exit` is the paraxial exit pupil.
     pub fn new(path: &Path, film: f64, reach: f64, [cover, exit]: [PupilDisk; 2]) -> Self {
         let family = FilmRadii::new(PupilFilmSide::new(path, film, [cover, exit]), reach);
         let grid = Grid::new(&family);
@@ -74,29 +75,32 @@ impl WarpedPupil {
         self.build
     }
 
-    /// The film radii, outward, at which more than the pupil is sampled.
+    /// Returns the ranges of film radii, in outward order, for which a region larger than the pupil is
+    /// sampled.
     pub fn given_up(&self) -> &[GivenUp] {
         &self.given_up
     }
 
-    /// Returns the film radius from which on no light arrives, mm, if it lies within reach or at most an eighth beyond.
+    /// Returns the film radius beyond which no light arrives, mm; `None` if it is not found within `reach` or
+    /// at most an eighth beyond.
     pub fn image_radius(&self) -> Option<f64> {
         self.map.is_dark_beyond().then(|| self.map.end())
     }
 
-    /// Returns the disk that holds every pupil.
+    /// Returns the disk that contains every pupil.
     pub(crate) fn cover_disk(&self) -> PupilDisk {
         self.cover
     }
 
-    /// Returns the slope at a film point, mm, of the point `disk` of the unit disk; `None` if the film is dark there.
+    /// Returns the slope sample that corresponds to the point `disk` of the unit disk, for a film point in
+    /// mm; `None` if the film is dark there.
     pub fn sample(&self, film: [f64; 2], disk: [f64; 2]) -> Option<PupilSample> {
         let mut sample = PupilSample { slopes: [0.0; 2], area: f64::NAN };
         Simd::best().run(OneSample { pupil: self, film, disk, found: &mut sample });
         (!sample.area.is_nan()).then_some(sample)
     }
 
-    /// Returns the constants of a look-up, in the precision of the lanes.
+    /// Returns the constants of look-ups, in the precision of the lanes.
     pub(crate) fn lane_pupil<S: Scalar>(&self) -> LanePupil<S> {
         LanePupil::new(&self.map, self.cover)
     }
@@ -123,8 +127,8 @@ impl WarpedPupil {
         }
     }
 
-    /// Sets the areas of rays with slopes: the area per sample at that slope, over π. It is NaN outside the tabulated
-    /// pupil and where the film is dark.
+    /// Sets the areas of rays, given their slopes: the area per sample at each slope, divided by π. It is NaN
+    /// outside the tabulated pupil and where the film is dark.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn areas<L: Lanes, const U: usize>(
         &self,
@@ -155,7 +159,8 @@ impl WarpedPupil {
     }
 }
 
-/// Returns the cells of a grid of one parameter that were given up; adjacent cells with the same reason are merged.
+/// Returns the cells that were given up, for a grid with one parameter; adjacent cells with the same reason
+/// are merged.
 fn given_up(grid: &Grid) -> Vec<GivenUp> {
     let mut all: Vec<GivenUp> = Vec::new();
     for &Gap { cell: [i, _], reason, acceptance } in &grid.gaps {
@@ -175,7 +180,7 @@ fn given_up(grid: &Grid) -> Vec<GivenUp> {
 #[derive(Clone, Copy)]
 pub(super) struct Heading<L> {
     pub radius: L,
-    /// Unit vector; arbitrary on the axis.
+    /// Unit vector; its value on the axis does not matter.
     direction: [L; 2],
 }
 
@@ -206,7 +211,8 @@ impl<L: Lanes> Heading<L> {
     }
 }
 
-/// Sets the slopes and areas of rays by a map, beyond its end by the cover, or to NaN areas if film is dark there.
+/// Sets the slopes and areas of rays: by the map; beyond the end of the map by the cover or, if the film is
+/// dark there, to NaN areas.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn aim<L: Lanes>(
     cpu: Cpu<L>,
@@ -232,7 +238,7 @@ pub(super) fn aim<L: Lanes>(
     ray.area_per_pi = L::select(location.inside, ray.area_per_pi, area);
 }
 
-/// Computes one sample with the processor's own fused multiplications.
+/// Computes one sample with the processor's own fused multiply-add instructions.
 struct OneSample<'a> {
     pupil: &'a WarpedPupil,
     film: [f64; 2],

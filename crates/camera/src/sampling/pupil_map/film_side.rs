@@ -1,4 +1,4 @@
-//! The rays of film points, for the maps of their pupils.
+//! The rays of film points, from which the maps of the pupils are built.
 
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
@@ -7,11 +7,11 @@ use crate::sampling::pupil_disk::PupilDisk;
 use realistic_optics::{lens::pupil::SlopeDisk, trace::Path};
 use realistic_trace::kernel::{ClearanceTracer, FilmRay};
 
-/// Least film radius that a map covers, mm: much less than a wavelength, and enough for differences on film without
-/// width.
+/// Smallest film radius that a map covers, mm. It is much less than a wavelength, yet large enough for finite
+/// differences on film of zero width.
 const LEAST_REACH: f64 = 1e-6;
 
-/// The film's side of a lens.
+/// The rays on the film's side of a lens.
 pub struct PupilFilmSide {
     clearances: ClearanceTracer,
     intervals: usize,
@@ -21,8 +21,8 @@ pub struct PupilFilmSide {
 }
 
 impl PupilFilmSide {
-    /// Prepares film at z = `film`, behind the lens. `cover` is a disk that holds every pupil, `exit` the paraxial exit
-    /// pupil.
+    /// Prepares film at z = `film`, behind the lens. `cover` is a disk that contains every pupil; `exit` is
+    /// the paraxial exit pupil.
     pub fn new(path: &Path, film: f64, [cover, exit]: [PupilDisk; 2]) -> Self {
         let path = path.clone().without_blades();
         let (clearances, intervals) = (ClearanceTracer::new(&path, film), intervals(&path));
@@ -34,20 +34,23 @@ impl PupilFilmSide {
         self.rays.load(Relaxed)
     }
 
-    /// Returns the intervals of a grid over film points.
+    /// Returns the number of intervals of a grid over film points.
     pub fn intervals(&self) -> usize {
         self.intervals
     }
 
-    /// Returns the pencil of a film point, mm, `ahead` mm in front of the film's plane across the axis.
+    /// Returns the pencil of a film point, mm, that lies `ahead` mm in front of the plane through the film's
+    /// centre perpendicular to the axis.
     pub fn at(&self, point: [f64; 2], ahead: f64) -> FilmPencil<'_> {
         FilmPencil { side: self, point, ahead }
     }
 }
 
-/// Returns the intervals of film radius: fewer block more samples and miss more light, more take longer to build.
+/// Returns the number of intervals of film radius. Fewer intervals block more samples and miss more light;
+/// more intervals take longer to build.
 ///
-/// Each takes some 5,000 rays. A table through 1,000 interfaces takes less than a second.
+/// Each interval takes about 5,000 rays. A table for a path through 1,000 interfaces takes less than a
+/// second.
 pub fn intervals(path: &Path) -> usize {
     match path.work() {
         0..=240 => 32,
@@ -56,7 +59,7 @@ pub fn intervals(path: &Path) -> usize {
     }
 }
 
-/// Film points by their distance from the axis of a lens of revolution, mm.
+/// Film points identified by their distance from the axis of a rotationally symmetric lens, mm.
 pub struct FilmRadii {
     side: PupilFilmSide,
     reach: f64,
@@ -113,7 +116,7 @@ impl Pencil for FilmPencil<'_> {
 
     fn guess(&self) -> SlopeDisk {
         let guess = self.side.exit.seen_from_ahead(self.point, self.ahead);
-        // Film may reach to an exit pupil that lies behind the lens.
+        // Film may extend as far as an exit pupil that lies behind the lens.
         if guess.radius > 0.0 { guess } else { self.cover() }
     }
 }

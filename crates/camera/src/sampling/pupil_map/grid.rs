@@ -1,5 +1,5 @@
-//! The maps at the nodes of a fixed grid. Each is found separately, then widened to hold the pupils at the middles of
-//! the grid's cells.
+//! The maps at the nodes of a fixed grid. Each map is found separately and then widened so that it contains
+//! the pupils at the centres of the adjacent cells.
 
 use super::{
     pencil::{Family, Pencil},
@@ -10,52 +10,55 @@ use super::{
 use realistic_base::numeric::STEPS;
 use realistic_optics::lens::pupil::SlopeDisk;
 
-/// Range of the search for the end of the light, over the largest first parameter: a pupil that vanishes just beyond it
-/// changes as fast as one that vanishes within.
+/// Limit of the search for the end of the light, as a multiple of the largest first parameter. It exceeds 1
+/// because a pupil that vanishes just beyond that parameter changes as fast as one that vanishes before it.
 const BEYOND: f64 = 1.125;
-/// Positions from the axis to the end of that range at which light is first searched for.
+/// Number of positions, from the axis to that limit, at which light is first searched for.
 const POSITIONS: usize = 16;
-/// Accuracy of the end of the light, relative: the last ten thousandth has hardly any light.
+/// Relative accuracy of the end of the light; the last ten thousandth contains hardly any light.
 const END_ACCURACY: f64 = 1e-7;
-/// Most steps of that search.
+/// Maximum number of steps of that search.
 const END_STEPS: usize = 40;
-/// Factor of the number of intervals if light ends within the grid: slivers change fast toward the end.
+/// Factor on the number of intervals if light ends within the grid, because narrow pupils change fast toward
+/// the end.
 const FINER: usize = 2;
-/// Cover rays per cell that check that no light gets through beside its maps: more rays find smaller components.
+/// Number of rays per cell, from all over the cover, that check that no light gets through beside the cell's
+/// maps. More rays find smaller components.
 const CHECKS: usize = 256;
-/// Positions in a cell at which they begin.
+/// Number of positions in a cell from which these rays begin.
 const CHECKED: usize = 4;
-/// Distance from a map, over the size of its rectangle, beyond which light beside it belongs to another component of
-/// the pupil, not to its edge.
+/// Distance from a map, relative to the size of the map's rectangle, beyond which light beside the map
+/// belongs to another component of the pupil and not to the pupil's edge.
 const BESIDE: f64 = 0.1;
-/// Distance from the disk's middle up to which light beside a map is explained by the error of its edge.
+/// Distance from the disk's centre up to which light beside a map is explained by the error of the map's
+/// edge.
 const EDGE: f64 = 1.02;
-/// Samples per cell in the estimate of its acceptance.
+/// Number of samples per cell in the estimate of the cell's acceptance.
 const SAMPLES: usize = 64;
 /// Acceptance below which a cell's gaps are reported.
 const FULL: f64 = 0.9;
-/// Fraction of the first parameter's end beyond which gaps are not reported: less than a thousandth of the light is
-/// there.
+/// Fraction of the first parameter's end beyond which gaps are not reported, because less than a thousandth
+/// of the light arrives there.
 const LAST: f64 = 0.999;
 
-/// The reason why a cell's samples are blocked more often than elsewhere.
+/// The reason why the samples of a cell are blocked more often than elsewhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MapFailure {
-    /// Light gets through beside the map: the cover is sampled.
+    /// Light gets through beside the map; the cover is sampled instead.
     LightBeside,
-    /// No light was found: the cover is sampled.
+    /// No light was found; the cover is sampled instead.
     NoLight,
-    /// The pupil has gaps, holes or several components: the map holds them all.
+    /// The pupil has gaps, holes or several components; the map contains them all.
     Gaps,
 }
 
 /// A cell of the grid whose samples are often blocked.
 #[derive(Clone, Copy, Debug)]
 pub struct Gap {
-    /// Node at the cell's first corner: its interval and its column.
+    /// The node at the cell's first corner: its interval and its column.
     pub cell: [usize; 2],
     pub reason: MapFailure,
-    /// Share of samples that get through.
+    /// Share of the samples that pass the lens.
     pub acceptance: f64,
 }
 
@@ -64,14 +67,14 @@ pub struct Gap {
 pub struct Grid {
     /// The first parameter at the end of each column.
     pub ends: Vec<f64>,
-    /// Whether no light gets through beyond the ends. The first parameter is then mapped to s.
+    /// Whether no light gets through beyond the ends. If so, the first parameter is mapped to s.
     pub dark_beyond: bool,
-    /// Whether rows become narrower toward the ends as 1 - s, and widths are stored over 1 - s. This does not apply to
-    /// covers.
+    /// Whether the widths of rows shrink toward the ends in proportion to 1 - s, and are stored divided by
+    /// 1 - s. Covers do not shrink.
     pub is_tapered: bool,
     /// Number of intervals of the first parameter and of the second.
     pub intervals: [usize; 2],
-    /// Maps, one column after the other.
+    /// The maps, one column after the other.
     pub slices: Vec<Slice>,
     pub gaps: Vec<Gap>,
 }
@@ -80,16 +83,16 @@ pub struct Grid {
 struct GridBuilder<'a, F> {
     family: &'a F,
     grid: Grid,
-    /// True for nodes that hold the cover.
+    /// Whether each node holds the cover.
     covered: Vec<bool>,
 }
 
 /// One column of a grid, before its maps are found.
 #[derive(Clone)]
 struct GridColumn {
-    /// First parameter at the end of the light, or of the grid.
+    /// The first parameter at the end of the light or, if light does not end, at the end of the grid.
     end: f64,
-    /// First parameters at which light was found, outward, and a point of each pupil.
+    /// First parameters at which light was found, in outward order, each with a point of the pupil.
     lit: Vec<(f64, [f64; 2])>,
 }
 
@@ -100,8 +103,8 @@ impl GridColumn {
         self.lit.insert(index, (first, at));
     }
 
-    /// Returns the window in which to search for a pupil of this size: on the line through the pupils of two
-    /// neighbours, and larger the farther away these are.
+    /// Returns the window in which to search for a pupil of about this size. The window lies on the line
+    /// through the pupils of the two neighbours, and is larger the farther away they are.
     fn nearby<F: Family>(&self, first: f64, size: f64) -> Option<Window> {
         let next = self.lit.partition_point(|(lit, _)| *lit < first).min(self.lit.len().checked_sub(1)?);
         let ((a, from), (b, to)) = (self.lit[next.saturating_sub(1)], self.lit[next]);
@@ -131,12 +134,12 @@ impl Grid {
         column * (self.intervals[0] + 1) + i
     }
 
-    /// Returns the taper of widths at a position, in intervals from the axis.
+    /// Returns the factor by which widths taper at a position, which is counted in intervals from the axis.
     fn taper(&self, position: f64) -> f64 {
         if self.is_tapered { 1.0 - position / self.intervals[0] as f64 } else { 1.0 }
     }
 
-    /// Returns the first parameter at a position, in intervals of both parameters.
+    /// Returns the first parameter at a position; the position is counted in intervals of both parameters.
     pub fn first(&self, [position, column]: [f64; 2]) -> f64 {
         let s = position / self.intervals[0] as f64;
         let low = (column as usize).min(self.ends.len() - 1);
@@ -145,7 +148,7 @@ impl Grid {
         end * if self.dark_beyond { s * (2.0 - s) } else { s }
     }
 
-    /// Returns the map at a position within a cell.
+    /// Returns the interpolated map at a position within a cell.
     fn mixed(&self, corners: &[[usize; 2]], [position, column]: [f64; 2]) -> Slice {
         let part = |of: f64, node: usize| 1.0 - (of - node as f64).abs();
         let parts: Vec<(f64, &Slice)> = corners
@@ -156,8 +159,8 @@ impl Grid {
     }
 }
 
-/// Finds the ends of the light along all columns, far enough out that lines between them hold those halfway. `None` if
-/// a column has no end.
+/// Finds the ends of the light along all columns, moved outward until the lines between columns contain the
+/// ends found halfway between them. `None` if light does not end along some column.
 fn ends<F: Family>(family: &F, columns: &[usize], reach: f64) -> Option<Vec<GridColumn>> {
     let halves: Vec<usize> = (0..2 * columns.len() - 1).collect();
     let find = |&half: &usize| light(family, half as f64 / 2.0, reach);
@@ -172,7 +175,8 @@ fn ends<F: Family>(family: &F, columns: &[usize], reach: f64) -> Option<Vec<Grid
     Some(ends)
 }
 
-/// Searches for the end of the light along a column. `None` if light goes on beyond `reach`, or if there is no light.
+/// Searches for the end of the light along a column. `None` if light continues beyond `reach`, or if there is
+/// no light.
 fn light<F: Family>(family: &F, column: f64, reach: f64) -> Option<GridColumn> {
     if nearest(&family.pencil(reach, column), F::SYMMETRIC, None).excess <= 0.0 {
         return None;
@@ -180,7 +184,7 @@ fn light<F: Family>(family: &F, column: f64, reach: f64) -> Option<GridColumn> {
     let mut known = GridColumn { end: reach, lit: Vec::new() };
     let mut probe = |first: f64| {
         let pencil = family.pencil(first, column);
-        // Slivers are found near the line through the lit points found before.
+        // Narrow pupils are found near the line through the lit points that are already known.
         let seed = known.nearby::<F>(first, pencil.guess().radius);
         let NearestPoint { at, excess } = nearest(&pencil, F::SYMMETRIC, seed);
         if excess <= 0.0 {
@@ -203,7 +207,7 @@ fn light<F: Family>(family: &F, column: f64, reach: f64) -> Option<GridColumn> {
 }
 
 impl<'a, F: Family> GridBuilder<'a, F> {
-    /// Finds the map at each node of a grid with these ends.
+    /// Finds the map at each node of a grid with the given ends.
     fn new(family: &'a F, ends: Vec<GridColumn>, dark_beyond: bool) -> Self {
         let [along, columns] = family.intervals();
         let mut grid = Grid {
@@ -231,8 +235,8 @@ impl<'a, F: Family> GridBuilder<'a, F> {
         builder
     }
 
-    /// Stores widths without taper, since covers do not become narrower: light ends in a jump or in several components,
-    /// up to a cover.
+    /// Stores widths without taper, because covers do not become narrower. This applies where light ends in a
+    /// jump or in several components, and thus at a cover.
     fn end_taper(&mut self) {
         if !self.grid.is_tapered {
             return;
@@ -254,7 +258,8 @@ impl<'a, F: Family> GridBuilder<'a, F> {
         self.grid.is_tapered = false;
     }
 
-    /// Widens the maps to hold the pupils of their cells, and replaces maps that cannot by the cover.
+    /// Widens the maps so that they contain the pupils of their cells; a map for which this fails is replaced
+    /// by the cover.
     fn built(mut self) -> Grid {
         let (cells, [along, columns]) = (self.cells(), self.grid.intervals);
         let found = each(columns, &cells, |&cell| self.outside(cell));
@@ -267,14 +272,14 @@ impl<'a, F: Family> GridBuilder<'a, F> {
         }
         for (node, more) in more.iter().enumerate().filter(|(node, _)| !self.covered[*node]) {
             let i = node % (along + 1);
-            // The end itself, where the taper is 0, takes the taper of half an interval before it.
+            // At the end itself the taper is 0, so the taper half an interval before the end is used.
             let taper = self.grid.taper((i as f64).min(along as f64 - 0.5));
             self.grid.slices[node].take_in(more, taper);
             if F::SYMMETRIC && i == 0 {
                 self.grid.slices[node] = self.grid.slices[node].rounded(true);
             }
         }
-        // A cell with a new cover at a corner is checked again.
+        // A cell is checked again if one of its corners has become a cover.
         let mut open = cells.clone();
         while !open.is_empty() {
             let given_up = each(columns, &open, |&cell| self.is_undescribed(cell));
@@ -327,8 +332,8 @@ impl<'a, F: Family> GridBuilder<'a, F> {
         (slice, self.family.pencil(self.grid.first(position), position[1]))
     }
 
-    /// Finds the parts of a cell's pupils that its maps leave out: at its middle by the ends of all rows, at some
-    /// positions by rays from all over the cover.
+    /// Finds the parts of a cell's pupils that the cell's maps leave out: at the cell's centre by the ends of
+    /// all rows, and at several positions by rays from all over the cover.
     fn outside(&self, cell: [usize; 2]) -> Outside {
         let (slice, pencil) = self.within(cell, [0.5; 2]);
         let seed = slice.window(F::SYMMETRIC);
@@ -348,14 +353,14 @@ impl<'a, F: Family> GridBuilder<'a, F> {
         outside
     }
 
-    /// Whether the maps of a cell fail to describe its pupils: no sample gets through, or rays from all over the cover
-    /// get through far beside the maps.
+    /// Whether the maps of a cell fail to describe the cell's pupils, because no sample gets through although
+    /// light does, or because rays from all over the cover get through far from the maps.
     fn is_undescribed(&self, cell: [usize; 2]) -> bool {
         let is_missed = || !self.is_covered(cell) && self.acceptance(cell) == 0.0 && self.is_lit(cell);
         is_missed() || self.has_far_components(cell)
     }
 
-    /// Whether light gets through at the middle of a cell.
+    /// Whether light gets through at the centre of a cell.
     fn is_lit(&self, cell: [usize; 2]) -> bool {
         let (slice, pencil) = self.within(cell, [0.5; 2]);
         pupil(&pencil, F::SYMMETRIC, Some(slice.window(F::SYMMETRIC))).is_ok()
@@ -373,7 +378,7 @@ impl<'a, F: Family> GridBuilder<'a, F> {
         })
     }
 
-    /// Returns the map at one of the positions in a cell that are checked, and the rays from all over the cover that
+    /// Returns the map at one of the checked positions in a cell, and the rays from all over the cover that
     /// get through there.
     fn check(&self, cell: [usize; 2], number: usize) -> (Slice, Vec<[f64; 2]>) {
         let part = ((number % CHECKED) as f64 + 0.5) / CHECKED as f64;
@@ -385,14 +390,14 @@ impl<'a, F: Family> GridBuilder<'a, F> {
         (slice, found.map(|(point, _)| *point).collect())
     }
 
-    /// Returns the share of samples at the middle of a cell that get through.
+    /// Returns the share of samples at the centre of a cell that get through.
     fn acceptance(&self, cell: [usize; 2]) -> f64 {
         let (slice, pencil) = self.within(cell, [0.5; 2]);
         let points: Vec<[f64; 2]> = over_disk(SAMPLES, 0).into_iter().map(|point| slice.at(point)).collect();
         pencil.excesses(&points).into_iter().filter(|excess| *excess <= 0.0).count() as f64 / SAMPLES as f64
     }
 
-    /// Describes a cell if many of its samples are blocked.
+    /// Describes the gap in a cell if many of the cell's samples are blocked.
     fn gap(&self, cell: [usize; 2]) -> Option<Gap> {
         let acceptance = self.acceptance(cell);
         let reason = match self.is_covered(cell) {
@@ -404,7 +409,7 @@ impl<'a, F: Family> GridBuilder<'a, F> {
         Some(Gap { cell, reason, acceptance })
     }
 
-    /// Whether a cell lies at the end of the light, where there is hardly any.
+    /// Whether a cell lies at the end of the light, where hardly any light arrives.
     fn is_last(&self, [i, column]: [usize; 2]) -> bool {
         let position = [i as f64, column as f64];
         self.grid.dark_beyond
@@ -413,13 +418,14 @@ impl<'a, F: Family> GridBuilder<'a, F> {
     }
 }
 
-/// Calls a function for each item. A grid of two parameters uses all cores, since the first ray waits for it. The grid
-/// of one parameter, with which every camera starts, uses the calling thread.
+/// Calls a function for each item. For a grid with two parameters it uses all cores, because a first ray
+/// waits for the result. For the grid with one parameter, which every camera builds at its start, it uses
+/// only the calling thread.
 fn each<'a, T: Sync, R: Send>(columns: usize, items: &'a [T], make: impl Fn(&'a T) -> R + Sync) -> Vec<R> {
     if columns > 0 { made_of_each(items, make) } else { items.iter().map(make).collect() }
 }
 
-/// Returns points evenly over the unit disk, different ones for each number.
+/// Returns points spread uniformly over the unit disk, different points for each `number`.
 fn over_disk(count: usize, number: usize) -> Vec<[f64; 2]> {
     let point = |k: usize| {
         let radius = ((k as f64 + 0.5) / count as f64).sqrt();
@@ -436,8 +442,8 @@ fn cover<F: Family>(family: &F, grid: &Grid, [i, column]: [usize; 2]) -> Slice {
     Slice::of_disk(family.pencil(grid.first(position), position[1]).cover(), F::SYMMETRIC)
 }
 
-/// Returns the maps of one column, with widths over the taper. A node where light has ended gets a vanishing map with
-/// the widths of the node before; `None` for a node where no light was found.
+/// Returns the maps of one column, with widths divided by the taper. A node beyond the end of the light gets
+/// a vanishing map with the widths of the preceding node; a node where no light was found gets `None`.
 fn column_of<F: Family>(family: &F, grid: &Grid, column: usize, mut known: GridColumn) -> Vec<Option<Slice>> {
     let mut slices: Vec<Option<Slice>> = Vec::with_capacity(grid.intervals[0] + 1);
     for i in 0..=grid.intervals[0] {

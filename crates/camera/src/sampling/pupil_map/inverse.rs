@@ -1,15 +1,17 @@
-//! The inverse of the map: takes points of the plane; returns the area per sample there, if there are any samples.
+//! The inverse of the map, which returns the area per sample at a point of the plane, if there are samples at
+//! that point.
 //!
-//! The map keeps the order of rows, so bisection finds the two knots about a y. Between them eta is linear in |Y|,
-//! which gives Y; m and g there give X.
+//! The map preserves the order of rows, so bisection finds the two knots on either side of a given y. Between
+//! these knots eta is linear in |Y|, which gives Y; m and g at this Y then give X.
 
 use super::{CELLS, GridLocation, PupilMap};
 use realistic_base::numeric::Real;
 use realistic_simd::{Cpu, Lanes};
 
 impl PupilMap {
-    /// Returns the areas, over π, per sample at points (x, y) of the plane; NaN at points outside the disk's image.
-    /// Vectors are bisected side by side, since each look-up waits for the one before.
+    /// Returns the areas per sample, divided by π, at points (x, y) of the plane; NaN at points outside the
+    /// image of the disk. Several vectors are bisected side by side, because each look-up has to wait for the
+    /// previous one.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn areas<L: Lanes, const U: usize>(
         &self,
@@ -29,8 +31,8 @@ impl PupilMap {
                 y.less(eta[0] + eta[1])
             };
         }
-        // Heights of rows over their half of the map grow with |Y|. The lower half of a symmetric map uses the rows of
-        // the upper half.
+        // The heights of the rows in each half of the map grow with |Y|. The lower half of a symmetric map
+        // uses the rows of the upper half.
         let mut flipped = [zero.less(zero); U];
         let mut sought = [zero; U];
         for u in 0..U {

@@ -1,31 +1,36 @@
-//! The map of the unit disk to a lens's pupil: rows to rows.
+//! The map from the unit disk to a lens's pupil, which takes rows to rows.
 //!
-//! A pencil is the bundle of rays through one point. Each ray is identified by a point (x, y) of a plane; for a film
-//! point these are its slopes. The rays that pass the lens form the pupil. A point (X, Y) of the unit disk goes to
+//! A pencil is the bundle of rays through one point. Each ray is identified by a point (x, y) of a plane; for
+//! a film point, x and y are the ray's slopes. The rays that pass the lens form the pupil. A point (X, Y) of
+//! the unit disk maps to
 //!
 //! ```text
 //! y = eta(Y),   x = m(Y) + g(Y) X,   area per area of the disk: eta'(Y) g(Y).
 //! ```
 //!
-//! This is the Knothe-Rosenblatt rearrangement: it maps a row of the disk linearly to a row of the pupil, and eta maps
-//! equal areas to equal areas. m is the middle of the row and g its half width over that of the disk's row. The density
-//! of the samples is exact for any eta, m and g: their errors block samples or miss light, but never make a picture
-//! brighter elsewhere. A round pupil is exactly round, and any pupil whose rows are intervals is covered. If a pupil
-//! has several components, each row's hull is sampled, and the gaps are blocked samples.
+//! This is the Knothe-Rosenblatt rearrangement: it maps a row of the disk linearly to a row of the pupil, and
+//! eta maps equal areas to equal areas. m is the middle of the pupil's row, and g is the ratio of this row's
+//! half width to that of the disk's row. The density of the samples is exact for any eta, m and g: errors of
+//! these functions block samples or miss light, but never make a picture brighter elsewhere. A round pupil is
+//! mapped exactly, and any pupil whose rows are intervals is covered. If a pupil has several components, the
+//! hull of each row is sampled, and samples in the gaps are blocked.
 //!
-//! eta, m and g are tabulated at knots t = 1 - (1 - k/32)² of |Y|, and are linear between two. The tables belong to the
-//! nodes of a fixed grid, between which they are linear, too. The grid has one parameter or two: the film radius of a
-//! lens of revolution, for which the film point is turned onto the x axis and the disk's point by the same angle;
-//! besides that, the wavelength, or the nearness of a scene point; or x and y of the film, without turning. For a fixed
-//! point of the disk the ray is continuous over the grid.
+//! eta, m and g are tabulated at knots t = 1 - (1 - k/32)² of |Y| and are linear between knots. Each node of
+//! a fixed grid has such a table; between nodes, the tables are interpolated linearly. The grid has one or
+//! two parameters. For a rotationally symmetric lens the first is the film radius; the film point is rotated
+//! onto the x axis, and the disk's point by the same angle. The second, if there is one, is the wavelength or
+//! the nearness of a scene point. Without symmetry, the two parameters are x and y of the film, without
+//! rotation. For a fixed point of the disk, the ray is a continuous function of the grid's parameters.
 //!
-//! If light ends within the grid, its first parameter is s = 1 - sqrt(1 - h/end) instead of h/end: there a pupil
-//! vanishes, its height as 1 - s and its width as (1 - s)². g is stored over 1 - s.
+//! If light ends within the grid, the first parameter of the grid is s = 1 - sqrt(1 - h/end) instead of
+//! h/end: toward the end, the height of a vanishing pupil is proportional to 1 - s and its width to (1 - s)².
+//! g is stored divided by 1 - s.
 //!
-//! [docs/pupil.md](https://github.com/realistic-camera/realistic/blob/main/docs/pupil.md) explains map and builder on
-//! one page. `pencil` is the interface to a lens, `search` finds a pupil and the ends of its rows, `slice` makes the
-//! map of one pupil, `grid` those of all nodes. This file holds the table and the look-up in lanes, `inverse` the
-//! inverse map, and `film` and `spectral` the tables of a camera.
+//! [docs/pupil.md](https://github.com/realistic-camera/realistic/blob/main/docs/pupil.md) explains the map
+//! and its builder on one page. `pencil` is the interface to a lens, `search` finds a pupil and the ends of
+//! its rows, `slice` makes the map of one pupil, and `grid` makes the maps of all nodes. This file contains
+//! the table and the look-up in lanes, `inverse` the inverse map, and `film` and `spectral` the tables of a
+//! camera.
 
 mod film;
 mod film_side;
@@ -51,9 +56,10 @@ use self::slice::{CELLS, Slice, knot};
 use realistic_base::numeric::Real;
 use realistic_simd::{Cpu, Lanes, Scalar};
 
-/// Pairs of numbers per cell: for each of eta, m and g the value at |Y| = 1 and the slope in 1 - |Y|.
+/// Pairs of numbers per cell: for each of eta, m and g, the value at |Y| = 1 and the slope with respect to
+/// 1 - |Y|.
 const PAIRS: usize = 3;
-/// Pairs per half of a map, from the disk's middle row to an end.
+/// Number of pairs per half of a map, which extends from the disk's middle row to one end.
 const HALF: usize = PAIRS * CELLS;
 
 /// The maps of a grid, ready for look-ups.
@@ -62,20 +68,20 @@ pub struct PupilMap {
     intervals: [usize; 2],
     dark_beyond: bool,
     is_tapered: bool,
-    /// Whether the lower half of each map is the mirror image of the upper half, and not stored.
+    /// Whether the lower half of each map is the mirror image of the upper half; if so, it is not stored.
     is_symmetric: bool,
-    /// End of each column, and the step to the next one's.
+    /// The end of each column, and the difference to the end of the next column.
     ends: Vec<[f32; 2]>,
-    /// End of a grid with one column.
+    /// The first parameter at the end of a grid with one column.
     end: f64,
-    /// The maps, column by column: of each its upper half, then its lower half.
+    /// The maps, column by column; for each map the upper half, then the lower half.
     table: Vec<[f32; 2]>,
 }
 
 /// Constants of look-ups, in the precision of the lanes.
 #[derive(Clone, Copy, Debug)]
 pub struct MapConstants<S> {
-    /// Intervals of the first parameter.
+    /// Number of intervals of the first parameter.
     along: S,
     /// The number of intervals, or its square if light ends within the grid.
     scale: S,
@@ -85,17 +91,17 @@ pub struct MapConstants<S> {
 /// Points between the nodes of a grid.
 #[derive(Clone, Copy)]
 pub struct GridLocation<L: Lanes> {
-    /// Index of the node before, over all columns.
+    /// Index of the preceding node, counted over all columns.
     node: L,
     /// Interpolation parameters in [0, 1]: toward the next node, and toward the next column.
     parts: [L; 2],
-    /// 1 - s in intervals, the factor of stored widths; 1 if they do not become narrower.
+    /// 1 - s in intervals, by which stored widths are multiplied; 1 if widths do not taper.
     taper: L,
     /// Whether the point lies inside the grid.
     pub inside: L::Mask,
 }
 
-/// Lines of eta, m and g: the value at |Y| = 1 and the slope in 1 - |Y|.
+/// Lines of eta, m and g: the value at |Y| = 1 and the slope with respect to 1 - |Y|.
 type Cell<L> = [[L; 2]; 3];
 
 impl PupilMap {
@@ -105,7 +111,7 @@ impl PupilMap {
         let step = |column: usize| grid.ends[(column + 1).min(last)] - grid.ends[column];
         let mut ends: Vec<[f32; 2]> =
             (0..=last).map(|column| [grid.ends[column], step(column)].map(|end| end as f32)).collect();
-        // A look-up reads two pairs.
+        // Padding, because a look-up reads two pairs.
         ends.push([0.0; 2]);
         let per_interval = if grid.is_tapered { (grid.intervals[0] as f64).recip() } else { 1.0 };
         let mut table = Vec::with_capacity(grid.slices.len() * HALF);
@@ -123,7 +129,7 @@ impl PupilMap {
                 }
             }
         }
-        // A look-up reads two pairs.
+        // Padding, because a look-up reads two pairs.
         table.push([0.0; 2]);
         Self {
             intervals: grid.intervals,
@@ -136,7 +142,8 @@ impl PupilMap {
         }
     }
 
-    /// Returns the cell between two neighbouring knots of a map; the first is the `k`th from the middle row.
+    /// Returns the cell between two neighbouring knots of a map, of which the first is knot `k` from the
+    /// middle row.
     fn cell(slice: &Slice, [near, far]: [usize; 2], k: usize, width: f64) -> [[f32; 2]; PAIRS] {
         let [v, next] = [k, k + 1].map(|k| 1.0 - knot(k));
         let line = |numbers: &[f64], factor: f64| {
@@ -147,7 +154,7 @@ impl PupilMap {
             .map(|pair| pair.map(|number| number as f32))
     }
 
-    /// Returns the first parameter at the end of a grid of one parameter.
+    /// Returns the first parameter at the end of a grid with one parameter.
     pub fn end(&self) -> f64 {
         self.end
     }
@@ -173,7 +180,7 @@ impl PupilMap {
         }
     }
 
-    /// Locates first parameters in a grid of one parameter.
+    /// Locates values of the first parameter in a grid with one parameter.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn locate<L: Lanes>(
         &self,
@@ -184,7 +191,7 @@ impl PupilMap {
         self.locate_scaled(cpu, constants, first * L::splat(cpu, constants.per_end))
     }
 
-    /// Locates points in a grid of two parameters, the second one counted in columns.
+    /// Locates points in a grid with two parameters; the second parameter is counted in columns.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn locate_in_columns<L: Lanes>(
         &self,
@@ -218,7 +225,7 @@ impl PupilMap {
     fn column<L: Lanes>(&self, cpu: Cpu<L>, column: L) -> [L; 2] {
         let number = |number: f64| L::splat(cpu, L::Scalar::from_f64(number));
         let columns = self.intervals[1] as f64;
-        // In this order NaN becomes 0.
+        // With this order of operands, NaN becomes 0.
         let column = column.larger(number(0.0)).smaller(number(columns));
         let before = column.smaller(number(columns - 1.0)).trunc();
         [before, column - before]
@@ -239,7 +246,7 @@ impl PupilMap {
         location
     }
 
-    /// Locates first parameters, given as fractions of the end.
+    /// Locates values of the first parameter, given as fractions of its end.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn locate_scaled<L: Lanes>(
         &self,
@@ -255,7 +262,7 @@ impl PupilMap {
             s = along - left;
             taper = if self.is_tapered { left } else { one };
         }
-        // `smaller` leaves no NaN.
+        // `smaller` replaces NaN by its other operand.
         let node = s.smaller(along - one).trunc();
         GridLocation { node, parts: [s - node, zero], taper, inside: s.less(along) }
     }
@@ -276,7 +283,8 @@ impl PupilMap {
         [[eta, eta_slope], [middle, middle_slope], [half, half_slope]]
     }
 
-    /// Returns the numbers of cells between two nodes, `first` pairs after the indices `at` of the table.
+    /// Returns the numbers of cells, interpolated between two nodes, that lie `first` pairs after the indices
+    /// `at` of the table.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn between<L: Lanes>(&self, at: L::Places, first: usize, part: L) -> [[L; 4]; 2] {
         let next = first + self.stride();
@@ -284,7 +292,8 @@ impl PupilMap {
         toward(part, [a, b], [c, d])
     }
 
-    /// Returns the images of points (X, Y) of the unit disk in the plane, and the area per sample, over π.
+    /// Returns the images in the plane of points (X, Y) of the unit disk, and the area per sample divided by
+    /// π.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn at<L: Lanes>(&self, cpu: Cpu<L>, location: &GridLocation<L>, [x, y]: [L; 2]) -> ([L; 2], L) {
         let zero = L::splat(cpu, L::Scalar::ZERO);

@@ -1,4 +1,5 @@
-//! The pupils of the points of a rectangle of film, by x and y: for lenses and films without an axis of symmetry.
+//! The pupils of the points of a rectangle of film, tabulated by x and y, for lenses and films without
+//! rotational symmetry.
 
 use super::{
     Grid, GridLocation, MapConstants, MapFailure, PupilFilmSide, PupilMap,
@@ -17,13 +18,13 @@ const LEAST_INTERVALS: usize = 4;
 pub struct RectanglePupil {
     corner: [f64; 2],
     size: [f64; 2],
-    /// Columns per mm.
+    /// Number of columns per mm.
     per_mm: f64,
     map: PupilMap,
     covered: f64,
 }
 
-/// Film points by x and y of the flat film.
+/// Film points identified by x and y of the flat film.
 struct Rectangle {
     side: PupilFilmSide,
     surface: FilmSurface,
@@ -53,8 +54,10 @@ impl Family for Rectangle {
 }
 
 impl RectanglePupil {
-    /// Tabulates the pupils of the points from `corner` on, mm, up to `size` farther along x and y, of the flat film
-    /// that `surface` places about z = `film`. `cover` is a disk that holds all of them, `exit` the paraxial exit pupil.
+    /// Tabulates the pupils of the points of a rectangle of the flat film. `corner` is the rectangle's corner
+    /// with the smallest x and y, mm; `size` is its extent along x and y. `surface` places the flat film in
+    /// space, about z = `film`. `cover` is a disk that contains all pupils; `exit` is the paraxial exit
+    /// pupil.
     pub fn new(
         path: &Path,
         film: f64,
@@ -76,8 +79,8 @@ impl RectanglePupil {
         }
     }
 
-    /// Returns the share of the rectangle over which `cover` is used instead of the pupil: light gets through there in
-    /// several components, or none does.
+    /// Returns the fraction of the rectangle for which `cover` is sampled instead of the pupil, because light
+    /// gets through in several components or not at all.
     pub fn covered(&self) -> f64 {
         self.covered
     }
@@ -147,7 +150,7 @@ mod tests {
         for k in 0..20_u32 {
             let at = |step: f64| (0.5 + f64::from(k) * step).fract();
             let point = [1.0 + 13.0 * at(STEPS[0]), -8.0 + 12.0 * at(STEPS[1])];
-            // Area of the pupil, and number of samples that pass, by either map.
+            // The area of the pupil, and the number of samples that pass, for each of the two maps.
             const SAMPLES: u32 = 4000;
             let (mut areas, mut passing) = ([0.0; 2], [0; 2]);
             for i in 0..SAMPLES {

@@ -1,27 +1,27 @@
-//! Searches in the plane of a pencil: for the rectangle that a pupil fills, and for the ends of its rows. Every step
-//! traces full vectors of rays. The size of an excess matters only in steps before any ray passes; elsewhere its sign
-//! is enough.
+//! Searches in the plane of a pencil, for the rectangle that a pupil fills and for the ends of the pupil's
+//! rows. Every step traces full vectors of rays. The magnitude of an excess matters only in steps before any
+//! ray passes; after that, only its sign matters.
 
 use super::pencil::Pencil;
 
-/// Columns and rows of a mesh of rays: more find thinner pupils and take longer.
+/// Numbers of columns and rows of a mesh of rays. Finer meshes find thinner pupils but take longer.
 const MESH: [usize; 2] = [23, 11];
-/// Share (1/`FILLED`) of a mesh, in each direction, that a pupil fills when its rectangle is known: more find thinner
-/// tips.
+/// A pupil's rectangle is known when the pupil fills 1/`FILLED` of a mesh in each direction. Larger shares
+/// find thinner tips.
 const FILLED: usize = 3;
-/// Most meshes per search. Each is some six times as fine as its predecessor.
+/// Maximum number of meshes per search. Each mesh is about six times as fine as its predecessor.
 const MESHES: usize = 14;
-/// Part by which a finer mesh must lower the least excess to count as progress, and the number of meshes in turn
-/// without progress that the search tolerates. More find thinner slivers.
+/// `LESS` is the fraction by which a finer mesh must reduce the smallest excess to count as progress. `IDLE`
+/// is the number of consecutive meshes without progress that the search tolerates; more find narrower pupils.
 const LESS: f64 = 1e-3;
 const IDLE: usize = 2;
-/// Columns and rows of the meshes in the search for a tip, and their number. Each is seven times as fine in y as the
-/// one before: the last step is some 1e-6 of the pupil.
+/// Numbers of columns and rows of the meshes in the search for a tip, and the number of these meshes. Each
+/// mesh is seven times as fine in y as the previous one, so the last step is about 1e-6 of the pupil.
 const TIP_MESH: [usize; 2] = [12, 8];
 const TIP_MESHES: usize = 6;
-/// Rays along a row at first: more find narrower parts of it.
+/// Number of rays along a row at the start. More rays find narrower parts of the row.
 const ALONG: usize = 13;
-/// Most steps in the search for the end of a row, which usually takes six.
+/// Maximum number of steps in the search for the end of a row, which usually takes six.
 const STEPS: usize = 60;
 
 /// A rectangle of the plane.
@@ -38,21 +38,21 @@ impl Window {
     }
 }
 
-/// The traced ray that passes deepest inside the apertures, or nearest to them.
+/// The traced ray that passes deepest inside the apertures or, if none passes, nearest to them.
 #[derive(Clone, Copy, Debug)]
 pub struct NearestPoint {
     pub at: [f64; 2],
     pub excess: f64,
 }
 
-/// Rays at the crossings of lines.
+/// A mesh of rays at the crossings of lines.
 struct Mesh {
     x: Vec<f64>,
     y: Vec<f64>,
     excess: Vec<f64>,
 }
 
-/// Returns `count` numbers at even steps, both ends included.
+/// Returns `count` numbers at equal steps, both ends included.
 fn even([from, to]: [f64; 2], count: usize) -> Vec<f64> {
     (0..count).map(|i| from + (to - from) * i as f64 / (count - 1) as f64).collect()
 }
@@ -64,8 +64,8 @@ impl Mesh {
         Self { x, y, excess }
     }
 
-    /// Returns a mesh over the whole cover: the lines lie at even steps of asinh((x - guess)/size), dense about the
-    /// guess.
+    /// Returns a mesh over the whole cover, with lines at equal steps of asinh((x - guess)/size), which are
+    /// dense around the guess.
     fn whole(pencil: &impl Pencil, is_symmetric: bool) -> Self {
         let (cover, guess) = (pencil.cover(), pencil.guess());
         let lines = |axis: usize, count: usize| -> Vec<f64> {
@@ -90,7 +90,7 @@ impl Mesh {
         self.excess[j * self.x.len() + i]
     }
 
-    /// Returns the first and the last line in each direction on which rays get through.
+    /// Returns, for each direction, the first and the last line on which rays get through.
     fn passing(&self) -> Option<[[usize; 2]; 2]> {
         let mut ends: Option<[[usize; 2]; 2]> = None;
         for (number, _) in self.excess.iter().enumerate().filter(|(_, excess)| **excess <= 0.0) {
@@ -103,7 +103,7 @@ impl Mesh {
         ends
     }
 
-    /// Returns the column and row of the least excess.
+    /// Returns the column and row of the smallest excess.
     fn least(&self) -> [usize; 2] {
         let least = (0..self.excess.len()).min_by(|&p, &q| self.excess[p].total_cmp(&self.excess[q]));
         let least = least.unwrap_or(0);
@@ -115,8 +115,8 @@ impl Mesh {
         NearestPoint { at: [self.x[i], self.y[j]], excess: self.at(i, j) }
     }
 
-    /// Returns the interval from `beyond` lines before the first of two lines to `beyond` lines behind the last;
-    /// extrapolates at even steps where there are no more lines.
+    /// Returns the interval from `beyond` lines before the first of two given lines to `beyond` lines after
+    /// the last; where there are no more lines, extrapolates at equal steps.
     fn around(lines: &[f64], [low, high]: [usize; 2], beyond: usize) -> [f64; 2] {
         let last = lines.len() - 1;
         let line = |index: isize| {
@@ -127,8 +127,8 @@ impl Mesh {
         [line(low as isize - beyond as isize), line((high + beyond) as isize)]
     }
 
-    /// Returns the next rectangle to search: it extends `beyond` lines farther than the given ones. At a side where
-    /// these are already the outermost, it extends by the whole mesh.
+    /// Returns the next rectangle to search, which extends `beyond` lines beyond the given lines. On a side
+    /// where a given line is already the outermost, the rectangle extends by the whole mesh.
     fn next(&self, [x, y]: [[usize; 2]; 2], beyond: usize, is_symmetric: bool) -> Window {
         let side = |lines: &[f64], [low, high]: [usize; 2]| {
             let last = lines.len() - 1;
@@ -141,24 +141,26 @@ impl Mesh {
     }
 }
 
-/// Returns the number of rows of a mesh; a mesh on both sides of the x axis has twice as many.
+/// Returns the number of rows of a mesh; a mesh on both sides of the x axis has twice as many as one on a
+/// single side.
 fn rows(is_symmetric: bool) -> usize {
     if is_symmetric { MESH[1] } else { 2 * MESH[1] }
 }
 
-/// Finds the rectangle that the pupil fills, or the ray that comes nearest to getting through.
+/// Finds the rectangle that the pupil fills, or the ray that comes closest to getting through.
 pub fn pupil(pencil: &impl Pencil, is_symmetric: bool, seed: Option<Window>) -> Result<Window, NearestPoint> {
     let mesh = search(pencil, is_symmetric, seed);
     mesh.passing().map(|lines| with_tips(pencil, is_symmetric, &mesh, lines)).ok_or_else(|| mesh.nearest())
 }
 
-/// Finds the ray of a pencil that passes deepest inside the apertures, or nearest to them.
+/// Finds the ray of a pencil that passes deepest inside the apertures or, if none passes, nearest to them.
 pub fn nearest(pencil: &impl Pencil, is_symmetric: bool, seed: Option<Window>) -> NearestPoint {
     search(pencil, is_symmetric, seed).nearest()
 }
 
-/// Searches the whole plane for the pupil; if that finds nothing, also about `seed`, the window of a neighbour. Returns
-/// a mesh that the pupil fills, or one about the ray that comes nearest to getting through.
+/// Searches the whole plane for the pupil; if none is found, also searches around `seed`, the window of a
+/// neighbour. Returns a mesh that the pupil fills, or a mesh around the ray that comes closest to getting
+/// through.
 fn search(pencil: &impl Pencil, is_symmetric: bool, seed: Option<Window>) -> Mesh {
     let found = zoom(pencil, is_symmetric, Mesh::whole(pencil, is_symmetric));
     let Some(seed) = seed.filter(|_| found.passing().is_none()) else { return found };
@@ -166,7 +168,7 @@ fn search(pencil: &impl Pencil, is_symmetric: bool, seed: Option<Window>) -> Mes
     if near.nearest().excess <= found.nearest().excess { near } else { found }
 }
 
-/// Replaces a mesh by ever finer ones, about the rays that get through or about the least excess.
+/// Replaces a mesh by finer and finer meshes, around the rays that get through or around the smallest excess.
 fn zoom(pencil: &impl Pencil, is_symmetric: bool, mut mesh: Mesh) -> Mesh {
     let (mut least, mut idle) = (f64::INFINITY, 0);
     for _ in 0..MESHES {
@@ -188,7 +190,8 @@ fn zoom(pencil: &impl Pencil, is_symmetric: bool, mut mesh: Mesh) -> Mesh {
             if !excess.is_finite() || idle > IDLE {
                 break;
             }
-            // Twice as far as the next lines, since the least may lie in a valley between them.
+            // The next mesh extends to twice the distance of the adjacent lines, because the minimum may lie
+            // in a valley between lines.
             (mesh.least().map(|line| [line; 2]), 2)
         };
         mesh = Mesh::over(pencil, mesh.next(lines, beyond, is_symmetric), is_symmetric);
@@ -196,7 +199,7 @@ fn zoom(pencil: &impl Pencil, is_symmetric: bool, mut mesh: Mesh) -> Mesh {
     mesh
 }
 
-/// Returns the rectangle of a pupil on a mesh that it fills, up to its tips.
+/// Returns the rectangle of a pupil, including its tips, given a mesh that the pupil fills.
 fn with_tips(pencil: &impl Pencil, is_symmetric: bool, mesh: &Mesh, [x, y]: [[usize; 2]; 2]) -> Window {
     let row = |j: usize| {
         let passing = (0..mesh.x.len()).filter(|&i| mesh.at(i, j) <= 0.0);
@@ -209,8 +212,8 @@ fn with_tips(pencil: &impl Pencil, is_symmetric: bool, mesh: &Mesh, [x, y]: [[us
     Window { x: Mesh::around(&mesh.x, x, 1), y: [bottom, top] }
 }
 
-/// Returns the y beyond which no ray gets through, between a row on which some do, with the x interval about them, and
-/// a row on which none was found.
+/// Returns the y beyond which no ray gets through. It lies between `lit`, a row on which some rays get
+/// through, and `dark`, a row on which none was found; `x` is the interval around the rays that get through.
 fn tip(pencil: &impl Pencil, mut x: [f64; 2], [mut lit, mut dark]: [f64; 2]) -> f64 {
     for _ in 0..TIP_MESHES {
         let mesh = Mesh::new(pencil, even(x, TIP_MESH[0]), even([lit, dark], TIP_MESH[1]));
@@ -229,15 +232,16 @@ fn tip(pencil: &impl Pencil, mut x: [f64; 2], [mut lit, mut dark]: [f64; 2]) -> 
     dark
 }
 
-/// Finds the ends of rows within the x of a window: for each y the first and the last x between which rays get through,
-/// to within `accuracy`; `None` if no ray was found to get through.
+/// Finds the ends of rows within the x range of a window: for each y, the first and the last x between which
+/// rays get through, to within `accuracy`; `None` if no such ray was found.
 pub fn row_ends(
     pencil: &impl Pencil,
     y: &[f64],
     [low, high]: [f64; 2],
     accuracy: f64,
 ) -> Vec<Option<[f64; 2]>> {
-    /// A row under search by rays at even steps: records those that get through, or the one nearest to it.
+    /// A row under search, sampled by rays at equal steps. Records the rays that get through or, if none
+    /// does, the ray that comes closest.
     struct FoundRow {
         from: f64,
         step: f64,
@@ -258,7 +262,8 @@ pub fn row_ends(
                 found[j] = Some(FoundRow { from, step, excess: excess.to_vec() });
                 continue;
             }
-            // The least is next to the lowest sample, since along a row an excess mostly falls and then grows.
+            // The minimum lies next to the lowest sample, because along a row an excess usually decreases and
+            // then increases.
             let least = (0..ALONG).min_by(|&p, &q| excess[p].total_cmp(&excess[q])).unwrap_or(0);
             if excess[least].is_finite() && step > 1e-9 * (high - low) {
                 let middle = from + step * least as f64;
@@ -293,12 +298,12 @@ pub fn row_ends(
     rows
 }
 
-/// An end of a row, between an x at which a ray gets through and one at which it does not, each with its excess; NaN if
-/// the excess is not known yet.
+/// An end of a row, bracketed by an x at which a ray gets through and an x at which a ray does not. Each x is
+/// stored with its excess, which is NaN if it is not known yet.
 pub struct SearchEnd {
     pub inside: [f64; 2],
     pub outside: [f64; 2],
-    /// Positive if the last step moved the outside, negative if it moved the inside.
+    /// Positive if the last step moved the outside bound, negative if it moved the inside bound.
     last: f64,
 }
 
@@ -311,8 +316,8 @@ impl SearchEnd {
         (self.outside[0] - self.inside[0]).abs()
     }
 
-    /// Returns the x to trace next: by linear interpolation of the excesses; halfway if one has no value, and at every
-    /// third step.
+    /// Returns the x to trace next, by linear interpolation of the excesses, or halfway if an excess is
+    /// unknown and at every third step.
     pub fn next(&self, step: usize) -> f64 {
         let ([from, inside], [to, outside]) = (self.inside, self.outside);
         if outside.is_nan() {
@@ -322,8 +327,8 @@ impl SearchEnd {
         from + part.clamp(0.02, 0.98) * (to - from)
     }
 
-    /// Updates the bracket with the excess at `x`. An end that stays has its excess halved (the Illinois algorithm: M.
-    /// Dowell and P. Jarratt 1971).
+    /// Updates the bracket with the excess at `x`. If the same bound stays for a second time, its excess is
+    /// halved (the Illinois algorithm: M. Dowell and P. Jarratt 1971).
     pub fn learn(&mut self, x: f64, excess: f64) {
         if excess > 0.0 {
             if self.last > 0.0 {
@@ -343,7 +348,7 @@ impl SearchEnd {
     }
 }
 
-/// Narrows ends of rows down to an accuracy, all side by side.
+/// Narrows the brackets of the ends of rows down to an accuracy, all side by side.
 fn narrow(pencil: &impl Pencil, ends: &mut [(f64, SearchEnd)], accuracy: f64) {
     for step in 0..STEPS {
         let open = |(_, end): &&mut (f64, SearchEnd)| end.width() > accuracy || end.outside[1].is_nan();

@@ -1,4 +1,4 @@
-//! The map of one pupil: rows of the unit disk to rows of the pupil.
+//! The map of one pupil, which takes rows of the unit disk to rows of the pupil.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -8,24 +8,27 @@ use super::{
 };
 use realistic_optics::lens::pupil::SlopeDisk;
 
-/// Cells from the disk's middle row to its end. Doubling them halves the light missed at corners of pupils, and makes
-/// building half as long again.
+/// Number of cells from the disk's middle row to its end. Doubling it halves the light missed at the corners
+/// of pupils and makes building take half as long again.
 pub const CELLS: usize = 32;
-/// Rows from the middle to the end in the integration of a pupil's area below each height: more let more samples pass.
+/// Number of rows, from the middle to an end, in the integration of a pupil's area below each height. With
+/// more rows, more samples pass.
 const AREA_ROWS: usize = 24;
-/// Accuracy of the ends of rows over the pupil's size: a coarser one misses more light, a finer one takes more rays.
+/// Accuracy of the ends of rows, relative to the pupil's size. A coarser accuracy misses more light; a finer
+/// one takes more rays.
 const ACCURACY: f64 = 1e-5;
-/// Relative margin of a map over the pupil that was found, for corners between knots: a larger one blocks more, a
-/// smaller one misses more.
+/// Relative margin of a map around the pupil that was found, for corners between knots. A larger margin
+/// blocks more samples; a smaller margin misses more light.
 const MARGIN: f64 = 1e-4;
-/// Least slope of eta, and least half width, over the pupil's own: densities stay finite, and samples where a row has
-/// no width are blocked.
+/// Smallest slope of eta and smallest half width of a row, relative to the pupil's size. It keeps densities
+/// finite; samples in a row without width are blocked.
 const LEAST: f64 = 1e-4;
 
-/// Height of the map of a vanished pupil, over that of the node before: densities stay finite.
+/// Height of the map of a vanished pupil, relative to that of the preceding node. It keeps densities finite.
 const VANISHED: f64 = 1e-9;
 
-/// Returns t at a knot, counted from the disk's middle row: knots are dense toward the end, where rows shrink.
+/// Returns t at knot `k`, counted from the disk's middle row. Knots are dense toward the end, where rows
+/// become shorter.
 pub fn knot(k: usize) -> f64 {
     1.0 - (1.0 - k as f64 / CELLS as f64).powi(2)
 }
@@ -36,13 +39,14 @@ fn knots(is_symmetric: bool) -> Vec<f64> {
     if is_symmetric { upper.collect() } else { (1..=CELLS).rev().map(|k| -knot(k)).chain(upper).collect() }
 }
 
-/// Returns the share of the half disk between its middle row and the row at t.
+/// Returns the fraction of the half disk that lies between the disk's middle row and the row at t.
 fn share(t: f64) -> f64 {
     (t * chord(t) + t.clamp(-1.0, 1.0).asin()) / FRAC_PI_2
 }
 
-/// Returns the row below which a share of the half disk lies: the inverse of [`share`], by Newton's method over the
-/// row's angle. From the middle row its steps go outward and never overshoot, since rows shrink outward.
+/// Returns the row below which the fraction `share` of the half disk lies. This is the inverse of [`share`],
+/// found by Newton's method for the angle of the row. Starting from the middle row, the steps go outward and
+/// never overshoot, because rows become shorter outward.
 fn row_at(share: f64) -> f64 {
     let mut angle = 0.0_f64;
     for _ in 0..16 {
@@ -58,22 +62,23 @@ fn chord(t: f64) -> f64 {
     (1.0 - t * t).max(0.0).sqrt()
 }
 
-/// The map of the disk's rows, linear in t between knots: (X, t) goes to (m(t) + g(t) X, eta(t)).
+/// The map of the disk's rows, which is linear in t between knots and takes (X, t) to (m(t) + g(t) X,
+/// eta(t)).
 #[derive(Clone, Debug)]
 pub struct Slice {
     /// t at the knots.
     pub t: Vec<f64>,
     pub eta: Vec<f64>,
-    /// m, the middles of rows.
+    /// m, the middle of each row.
     pub middle: Vec<f64>,
-    /// g, the half widths of rows over those of the disk's rows.
+    /// g, the half width of each row divided by that of the disk's row.
     pub half: Vec<f64>,
 }
 
 /// The parts of a pupil that a map leaves out.
 #[derive(Clone, Debug)]
 pub struct Outside {
-    /// Distances beyond the two ends of the row at each knot.
+    /// Distances by which the pupil extends beyond the two ends of the row at each knot.
     sides: Vec<[f64; 2]>,
     /// Factors by which the lower and the upper rows have to be stretched.
     ends: [f64; 2],
@@ -84,12 +89,12 @@ impl Slice {
     pub fn new(pencil: &impl Pencil, is_symmetric: bool, window: Window) -> Option<Self> {
         let Window { x, y: [bottom, top] } = window;
         let (t, size) = (knots(is_symmetric), (x[1] - x[0]).min(top - bottom));
-        // Integrates the area below each height by rows in the middle of strips: each strip's width, over the disk's,
-        // is that of its row.
+        // Integrates the area below each height by strips: the ratio of a strip's width to the disk's is
+        // taken from the row in the middle of the strip.
         let (middle, first) = if is_symmetric { (0.0, 0.0) } else { (f64::midpoint(bottom, top), -1.0) };
         let reach = top - middle;
         let strips = if is_symmetric { AREA_ROWS } else { 2 * AREA_ROWS };
-        // Strips become lower toward the ends, where rows shrink.
+        // The height of strips decreases toward the ends, where rows become shorter.
         let edge = |strip: f64| (FRAC_PI_2 * (first + (1.0 - first) * strip / strips as f64)).sin();
         let rows: Vec<f64> = (0..strips).map(|strip| edge(strip as f64 + 0.5)).collect();
         let heights: Vec<f64> = rows.iter().map(|row| middle + reach * row).collect();
@@ -118,7 +123,7 @@ impl Slice {
             let least = eta[k - 1] + LEAST * reach * (t[k] - t[k - 1]);
             eta[k] = eta[k].max(least);
         }
-        // Moves back whatever was pushed beyond the end.
+        // Moves back the knots that were pushed beyond the end.
         for k in (0..last).rev() {
             eta[k] = eta[k].min(eta[k + 1] - LEAST * reach * (t[k + 1] - t[k]));
         }
@@ -132,7 +137,8 @@ impl Slice {
         Some(slice)
     }
 
-    /// Fits rows to the light at the heights of the knots. A row without light is like the one before.
+    /// Fits rows to the light at the heights of the knots. A row without light is a copy of the preceding
+    /// row.
     fn fit_rows(
         &mut self,
         pencil: &impl Pencil,
@@ -148,7 +154,7 @@ impl Slice {
             let [from, to] = before;
             (self.middle[k], self.half[k]) = (f64::midpoint(from, to), 0.5 * (to - from) / chord(self.t[k]));
         }
-        // Rows at a tip continue those before.
+        // Rows at a tip are extrapolated from the adjacent rows.
         let most = self.half.iter().copied().fold(0.0, f64::max);
         for (tip, next) in [(0, 1), (last, last - 1)] {
             if tip == last || !is_symmetric {
@@ -169,7 +175,7 @@ impl Slice {
         Self { eta, middle: vec![x; t.len()], half: vec![radius; t.len()], t }
     }
 
-    /// Returns the map to the smallest disk about the origin that holds this one's rows.
+    /// Returns the map to the smallest disk about the origin that contains the rows of this map.
     pub fn rounded(&self, is_symmetric: bool) -> Self {
         let reach = |k: usize| (self.middle[k].abs() + self.half[k] * chord(self.t[k])).hypot(self.eta[k]);
         let radius = (0..self.t.len()).map(reach).fold(0.0, f64::max);
@@ -204,13 +210,13 @@ impl Slice {
         Self { eta, middle: vec![x; self.t.len()], ..self.clone() }
     }
 
-    /// Returns the larger side of its rectangle.
+    /// Returns the longer side of the map's rectangle.
     pub fn size(&self) -> f64 {
         let Window { x, y } = self.window(false);
         (x[1] - x[0]).max(y[1] - y[0])
     }
 
-    /// Returns the rectangle of the map.
+    /// Returns the rectangle that contains the map.
     pub fn window(&self, is_symmetric: bool) -> Window {
         let ends =
             |side: f64| self.middle.iter().zip(&self.half).map(move |(middle, half)| middle + side * half);
@@ -218,7 +224,7 @@ impl Slice {
         Window { x, y: [if is_symmetric { 0.0 } else { self.eta[0] }, self.eta[self.t.len() - 1]] }
     }
 
-    /// Stretches the rows below and above the disk's middle row away from it.
+    /// Stretches the rows below and above the disk's middle row away from that row.
     fn stretch(&mut self, [lower, upper]: [f64; 2]) {
         let middle = self.eta[self.middle_row()];
         for (eta, t) in self.eta.iter_mut().zip(&self.t) {
@@ -253,7 +259,8 @@ impl Slice {
         Outside { sides: found.into_iter().enumerate().map(side).collect(), ends }
     }
 
-    /// Makes the map hold what it left out; its widths are multiplied by `taper` later.
+    /// Extends the map so that it contains the parts in `outside`; the map's widths will later be multiplied
+    /// by `taper`.
     pub fn take_in(&mut self, outside: &Outside, taper: f64) {
         let chords: Vec<f64> = self.t.iter().map(|&t| chord(t)).collect();
         for (k, [left, right]) in outside.sides.iter().enumerate().filter(|(k, _)| chords[*k] > 0.0) {
@@ -273,7 +280,8 @@ impl Slice {
         [at(&self.middle) + at(&self.half) * x, if t == y { eta } else { -eta }]
     }
 
-    /// Returns the distance of a point of the plane from its row, or from the row at the nearest tip.
+    /// Returns the distance of a point of the plane from the row at its height or, beyond a tip, from the row
+    /// at that tip.
     pub fn distance(&self, [x, y]: [f64; 2]) -> f64 {
         let y = if self.middle_row() == 0 { y.abs() } else { y };
         let last = self.t.len() - 1;
@@ -285,8 +293,8 @@ impl Slice {
         beyond.max(0.0).hypot(y - inside)
     }
 
-    /// Returns the distance from the disk's centre of the preimage of a point of the plane; more than 1 outside the
-    /// map.
+    /// Returns the distance of a point's preimage from the disk's centre; it is more than 1 for a point
+    /// outside the map.
     pub fn radius(&self, [x, y]: [f64; 2]) -> f64 {
         let y = if self.middle_row() == 0 { y.abs() } else { y };
         // Rows beyond the ends are extrapolated.
@@ -304,7 +312,7 @@ impl Outside {
         Self { sides: vec![[0.0; 2]; knots], ends: [1.0; 2] }
     }
 
-    /// Adds a point that a map leaves out.
+    /// Adds a point of the pupil that the map leaves out.
     pub fn add(&mut self, slice: &Slice, [x, y]: [f64; 2]) {
         let y = if slice.middle_row() == 0 { y.abs() } else { y };
         let (middle, last) = (slice.eta[slice.middle_row()], slice.t.len() - 1);
@@ -322,7 +330,7 @@ impl Outside {
         }
     }
 
-    /// Takes the larger of both, part by part.
+    /// Replaces each part by the larger of the two.
     pub fn join(&mut self, other: &Self) {
         for (own, other) in self.sides.iter_mut().flatten().zip(other.sides.iter().flatten()) {
             *own = own.max(*other);

@@ -1,8 +1,8 @@
 //! The pupils of all points of a film at every wavelength of a range.
 //!
-//! As the wavelength changes, a pupil and the image on the film move and grow a little: nearly in proportion to the
-//! glasses' indices, and these nearly in proportion to 1/λ² (A.-L. Cauchy; λ is the wavelength). So the grid's columns
-//! lie at even steps of 1/λ².
+//! As the wavelength changes, the pupil and the image on the film shift and grow slightly, nearly in
+//! proportion to the refractive indices of the glasses. These change nearly in proportion to 1/λ² (A.-L.
+//! Cauchy; λ is the wavelength). So the columns of the grid lie at equal steps of 1/λ².
 
 use super::{
     FilmRadii, Grid, LanePupil, PupilFilmSide, PupilMap,
@@ -13,7 +13,8 @@ use crate::sampling::{film_rays::FilmRays, pupil_disk::PupilDisk};
 use realistic_base::numeric::Real;
 use realistic_simd::{Cpu, Lanes, Scalar};
 
-/// Intervals between the columns: more take longer at the first request for a wavelength, fewer block more samples.
+/// Number of intervals between the columns. More intervals make the first request for a wavelength take
+/// longer; fewer block more samples.
 const COLUMNS: usize = 4;
 
 /// The true pupil of every point of a film, at every wavelength of a range. Immutable once built.
@@ -21,13 +22,13 @@ const COLUMNS: usize = 4;
 pub struct SpectralPupil {
     /// 1/λ² of the first column, 1/μm².
     first: f64,
-    /// Columns per 1/λ².
+    /// Number of columns per unit of 1/λ².
     per_w: f64,
     map: PupilMap,
     cover: PupilDisk,
 }
 
-/// Constants of a look-up, in the precision of the lanes.
+/// Constants of look-ups, in the precision of the lanes.
 #[derive(Clone, Copy, Debug)]
 pub struct LaneSpectralPupil<S> {
     first: S,
@@ -35,7 +36,7 @@ pub struct LaneSpectralPupil<S> {
     pupil: LanePupil<S>,
 }
 
-/// The film's side of a lens at each column and halfway between two.
+/// The rays on the film's side of a lens, at each column and halfway between columns.
 struct Spectrum(Vec<FilmRadii>);
 
 impl Spectrum {
@@ -61,15 +62,15 @@ impl Family for Spectrum {
     }
 }
 
-/// Returns 1/λ² of a wavelength in nm, 1/μm².
+/// Returns 1/λ² in 1/μm² for a wavelength λ in nm.
 fn w(wavelength: f64) -> f64 {
     (wavelength * 1e-3).powi(-2)
 }
 
 impl SpectralPupil {
-    /// Tabulates the pupils for wavelengths from `shortest` to `longest`, nm, and film points up to `reach` mm from the
-    /// axis. `side` returns the film's side of the lens at a wavelength, with the disk that holds every pupil. `None`
-    /// if there is no such side.
+    /// Tabulates the pupils for wavelengths from `shortest` to `longest`, nm, and film points up to `reach`
+    /// mm from the axis. `side` returns the rays on the film's side of the lens at a wavelength, and the disk
+    /// that contains every pupil. `None` if `side` returns `None`.
     pub fn new(
         [shortest, longest]: [f64; 2],
         reach: f64,
@@ -87,7 +88,7 @@ impl SpectralPupil {
         Some(Self { first, per_w: COLUMNS as f64 / (last - first), map, cover })
     }
 
-    /// Returns the constants of a look-up, in the precision of the lanes.
+    /// Returns the constants of look-ups, in the precision of the lanes.
     pub fn lane_pupil<S: Scalar>(&self) -> LaneSpectralPupil<S> {
         LaneSpectralPupil {
             first: S::from_f64(self.first),
@@ -96,7 +97,8 @@ impl SpectralPupil {
         }
     }
 
-    /// Sets the slopes and areas of rays with wavelengths in nm. The area is NaN if there is nothing to sample.
+    /// Sets the slopes and areas of rays whose wavelengths are given in nm. The area is NaN if there is
+    /// nothing to sample.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn lanes<L: Lanes, const U: usize>(
         &self,

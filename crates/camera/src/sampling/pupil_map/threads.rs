@@ -1,4 +1,4 @@
-//! Work on several items in parallel on the processor's cores.
+//! Processing of several items in parallel on the processor's cores.
 
 use std::{
     iter,
@@ -9,11 +9,11 @@ use std::{
     thread,
 };
 
-/// Applies a function to each item and returns the results in order. The calling thread takes part, and does all of the
-/// work if the system provides no other thread, and in a forked process.
+/// Applies a function to each item and returns the results in order. The calling thread takes part; it does
+/// all of the work if the system provides no other thread or if the process was forked.
 ///
-/// The threads have the standard library's stack size: without optimisation and with AVX-512, building a table takes
-/// more than half a megabyte.
+/// The threads have the standard library's default stack size, because building a table takes more than half
+/// a megabyte of stack without optimisation and with AVX-512.
 pub fn made_of_each<'a, T: Sync, R: Send>(items: &'a [T], make: impl Fn(&'a T) -> R + Sync) -> Vec<R> {
     let next = AtomicUsize::new(0);
     let take_turns = || -> Vec<(usize, R)> {
@@ -39,8 +39,9 @@ pub fn made_of_each<'a, T: Sync, R: Send>(items: &'a [T], make: impl Fn(&'a T) -
     made.into_iter().map(|(_, made)| made).collect()
 }
 
-/// Whether this process is the first that called this function. A forked process creates no threads: locks of the C
-/// library that other threads held at the fork stay locked in it, and POSIX permits it only what a signal handler may do.
+/// Whether this process is the first that called this function. A forked process must not create threads:
+/// locks of the C library that other threads held during the fork stay locked, and POSIX allows such a
+/// process only the functions that a signal handler may call.
 fn may_create_threads() -> bool {
     static FIRST: AtomicU32 = AtomicU32::new(0);
     let own = process::id();
