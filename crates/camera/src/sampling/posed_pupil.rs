@@ -36,7 +36,7 @@ pub struct LanePosed<S> {
 }
 
 impl PosedPupil {
-    /// Tabulates the true pupils of a rectangle of film: see [`RectanglePupil::new`].
+    /// Tabulates the true pupils of a rectangle of film: see `RectanglePupil::new`.
     pub fn new(
         path: &Path,
         film: f64,
@@ -155,7 +155,7 @@ impl PosedPupil {
 
     /// Returns the ray from a point of the flat film, mm, that corresponds to a point of the unit disk: the
     /// point where the ray crosses the plane through the film's centre perpendicular to the axis, and its
-    /// slopes with the area per sample, as in [`PosedPupil::lanes`]. `None` where the film faces away from
+    /// slopes with the area per sample, as in `PosedPupil::lanes`. `None` where the film faces away from
     /// the lens.
     pub fn sample(&self, flat: [f64; 2], disk: [f64; 2]) -> Option<([f64; 2], PupilSample)> {
         let [point, disk] = [flat, disk].map(|pair| pair.map(|number| Portable([number])));
@@ -177,8 +177,8 @@ impl<S: Scalar> LanePosed<S> {
         ray: &mut FilmRays<L>,
     ) {
         let (slopes, area) = self.disk.lanes_ahead(cpu, at.point, at.ahead, ray.disk);
-        for axis in 0..2 {
-            ray.slopes[axis] = L::select(inside, ray.slopes[axis], slopes[axis]);
+        for (to, slope) in ray.slopes.iter_mut().zip(slopes) {
+            *to = L::select(inside, *to, slope);
         }
         ray.area_per_pi = L::select(inside, ray.area_per_pi, area);
     }
