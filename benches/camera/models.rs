@@ -14,7 +14,8 @@ const LARGE: usize = 1024;
 /// Width and height of the image, pixels.
 const RESOLUTION: i32 = 1000;
 
-/// A pinhole as a renderer might write it: from a film point, its normalised direction and the camera's matrix. It uses
+/// A pinhole camera as a renderer might write it: it normalises the direction given by the film point and transforms
+/// it by the camera's matrix. It uses
 /// baseline instructions only, like a host compiled from C. It reads each component of the sample separately: a single
 /// load of two components would stall on store forwarding, since the caller has just stored them one by one.
 #[repr(C)]

@@ -1,5 +1,5 @@
-//! The processor's peak throughput, in square roots by the divider and in fused multiply-adds; and the lower bound on
-//! the time of a lens that results from it.
+//! The processor's peak throughput of square roots (by the divider) and of fused multiply-adds, and the lower bound
+//! that it sets on the time to trace a ray through a lens.
 
 #[cfg(target_arch = "x86_64")]
 use realistic_lab::{results::statistics::median, timing::repeated};

@@ -7,7 +7,7 @@ use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus as Random;
 use realistic_optics::{lens::Lens, prescription::catalogue};
 
-/// The construction of a lens.
+/// The method by which a test lens is constructed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// Radii, thicknesses and indices of any size.

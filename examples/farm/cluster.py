@@ -43,7 +43,7 @@ def kill_one(client: Client, after: float) -> threading.Thread:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--program", help="the command-line program [default: that of the installed package]")
-    parser.add_argument("--kill", action="store_true", help="kill a worker on the way")
+    parser.add_argument("--kill", action="store_true", help="kill a worker while it renders")
     parser.add_argument("--large", action="store_true", help="study every lens of the catalogue, at many stops")
     given = parser.parse_args()
     work = {"lenses": ["dgauss.50mm", "wide.22mm", "tessar.50mm", "triplet.210mm"], "fnumbers": [5.6, 8.0]}

@@ -44,6 +44,10 @@ const LENS_PARAMETERS: [&str; 11] = [
     "mm_per_unit",
 ];
 
+/// Parameters of film that is not flat and centred on the axis.
+const POSED_FILM: [&str; 5] =
+    ["film_shift_x", "film_shift_y", "film_tilt_x", "film_tilt_y", "film_curvature_radius"];
+
 impl clap::Args for LensChoice {
     fn augment_args(command: Command) -> Command {
         // Other parameters are accepted with a warning, so that the same arguments work for every command.
@@ -264,13 +268,20 @@ impl LensChoice {
         self.open_with(&["glass_catalog"])
     }
 
-    /// Finds the lens with the parameters in `used` and warns of others.
+    /// Finds the lens with the parameters in `used` and warns of others. Film that is shifted, tilted or curved is
+    /// refused by commands that place a film: their film is flat and centred on the axis.
     fn open_with(&self, used: &[&str]) -> Result<OpenedLens, Failure> {
+        let places_film = used.contains(&"film_distance");
         let lens_file = self.0.with_a_lens()?.lens_file;
         let mut parameters = Parameters { lens_file, ..Parameters::default() };
         for (name, value) in self.0.given() {
             if used.contains(&name) {
                 parameters.set_from_text(name, value)?;
+            } else if places_film && POSED_FILM.contains(&name) && value.parse() != Ok(0.0) {
+                return Err(Failure::Usage(format!(
+                    "this command has flat film, centred on the axis: leave out \"{name}\", or use `realistic render` or \
+                     `realistic plan`"
+                )));
             } else {
                 warn(&format!("\"{name}\" changes nothing here; leave it out"));
             }

@@ -199,7 +199,7 @@ pub fn short(number: f64) -> String {
 /// Writes a positive number as [`short`] does, but rounded up, so that the printed minimum of a range lies inside the
 /// range.
 pub fn short_above(number: f64) -> String {
-    // Rounding changes the number by half a unit of the last digit, which is at most 5e-6 of the number.
+    // Rounding changes the number by at most half a unit of the last digit, which is at most 5e-6 of the number.
     let mut nudged = (0..=6).map(|step: u8| rounded(number * (1.0 + 1e-6 * f64::from(step))));
     written(nudged.find(|rounded| *rounded >= number).unwrap_or(number))
 }

@@ -70,7 +70,7 @@ pub(super) struct AbsorptionCurves {
 impl AbsorptionCurves {
     /// Builds the table for wavelengths, nm, within `range`.
     pub fn new(absorbers: &Absorbers, [from, to]: [f64; 2]) -> Self {
-        // The last wavelength needs an additional cell, which it begins.
+        // If the range is a whole number of cells, the last wavelength is the start of one more cell.
         let cells = ((to - from) / CELL).ceil() as usize + 1;
         let mut table = Vec::with_capacity(2 * cells * absorbers.count());
         for curve in &absorbers.curves {

@@ -22,8 +22,9 @@ fn mark(ray: realistic_ray) -> realistic_ray_differential {
     }
 }
 
-/// Checks rays with differentials, and panics with `what` if they differ from the rays of single calls, or if a batch
-/// differs from calls one by one. With `may_differ`, a batch may use another tracer than single calls. `initial` is the
+/// Checks rays with differentials. Panics with `what` if they differ from `singles`, the rays without differentials,
+/// or if a batch differs from separate calls. With `may_differ`, a batch may use another tracer than single calls.
+/// `initial` is the
 /// initial content of a ray.
 pub fn check(
     camera: *const realistic_camera,

@@ -58,7 +58,7 @@ pub struct Condition {
     pub margin: f64,
 }
 
-/// The scale of disturbances of a point.
+/// The unit in which disturbances of a point's position are measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Norm {
     /// The point's own distance from the vertex.

@@ -16,11 +16,11 @@ use realistic_optics::{
 
 use super::double_double::{DoubleDouble, Vector};
 
-/// An aspheric figure by its formula, z along the travel of light.
+/// An aspheric figure by its formula, z along the direction of travel of light.
 #[derive(Clone, Debug)]
 pub(super) struct Scan {
     asphere: Asphere,
-    /// Factor from z along the travel to z toward the film.
+    /// Factor from z along the direction of travel to z toward the film.
     sign: f64,
     /// Clear semi-diameter, mm.
     edge_radius: f64,
@@ -68,7 +68,7 @@ impl Scan {
     }
 
     /// Finds the distance from `point`, in units of `direction`, at which the ray first crosses the surface toward the
-    /// side ahead. `point` and `direction` are in the frame of the vertex, with z along the travel.
+    /// side ahead. `point` and `direction` are in the frame of the vertex, with z along the direction of travel.
     pub fn first_crossing(&self, point: Vector, direction: Vector) -> Result<DoubleDouble, Blocked> {
         let number = DoubleDouble::from_f64;
         let ray = ScannedRay::new(point, direction);
@@ -147,7 +147,7 @@ impl Scan {
         }
     }
 
-    /// Returns the powers, from the first power on, and their coefficients, z along the travel.
+    /// Returns the powers, from the first power on, and their coefficients, z along the direction of travel.
     fn terms(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
         let powers = (FIRST_POWER as u32..).map(f64::from);
         powers.zip(self.asphere.terms).map(|(power, term)| (power, self.sign * term))

@@ -1,10 +1,11 @@
 //! The fate of the light that enters a lens, by brute force. Every surface randomly reflects or transmits photons, in
 //! any order of surfaces, until they reach the film, leave the lens, or end at the barrel.
 //!
-//! This trace shares nothing with the library but the surfaces' data: rays are vectors, each photon has an electric
-//! field in space, and the amplitudes of a surface follow Airy's sum. It includes all orders of reflection, and so
+//! This trace shares nothing with the library but the surfaces' data: rays are vectors, each photon carries its
+//! electric field as a three-dimensional vector, and a surface's amplitude coefficients follow Airy's sum. It
+//! includes all orders of reflection, and so
 //! measures the light that the library leaves out by stopping at two reflections. Aspheres are intersected by Newton's
-//! method from the vertex plane. Interference occurs between the faces of a film but not between surfaces.
+//! method from the vertex plane. Interference occurs between the two faces of a coating but not between surfaces.
 
 mod complex;
 mod surface;

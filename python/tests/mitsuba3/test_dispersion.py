@@ -1,4 +1,4 @@
-"""Tests which wavelengths go together through a lens with dispersion, and the noise."""
+"""Tests which wavelengths share a path through a lens with dispersion, and how noisy the pictures are."""
 
 from itertools import pairwise
 

@@ -112,7 +112,8 @@ mod machine {
     /// `function` accepts `data` and does not unwind.
     pub unsafe fn call_in_default(data: *mut c_void, function: unsafe extern "C" fn(*mut c_void)) {
         let (host, default) = (read(), DEFAULT);
-        // SAFETY: the caller's promise; the registers that hold what is needed after the call survive it.
+        // SAFETY: the caller guarantees that the call is valid. The values needed after it are in registers that the
+        // called function preserves.
         unsafe {
             asm!(
                 "ldmxcsr [{default}]",

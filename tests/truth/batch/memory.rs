@@ -21,7 +21,7 @@ struct Field {
     components: usize,
 }
 
-/// Memory for `n` elements of several fields, with gaps between them; a field has some components of four bytes.
+/// Memory for `n` elements of several fields, with gaps. Each field has one or more components of four bytes.
 pub struct Memory {
     bytes: Vec<u8>,
     first: usize,

@@ -90,8 +90,8 @@ impl Autofocus<'_> {
 
     /// Returns the mean square difference between the brightness of neighbouring pixels, relative to the mean
     /// brightness, in small pictures of the zone. Each squared difference is the product of the differences in two
-    /// pictures with independent noise. The noise then cancels, so a blurred trial picture with few rays gains
-    /// nothing from it.
+    /// pictures with independent noise. The noise therefore averages out and does not raise the contrast of a blurred
+    /// trial picture with few rays.
     fn contrast(&self, camera: *const realistic_camera, zone: &realistic_zone) -> Result<f64, PluginError> {
         const RAYS: u32 = 16_384;
         /// Largest contrast that still looks even to the eye.

@@ -1,10 +1,10 @@
 //! Intersection of a ray with an aspheric surface, and the normal at the intersection, in numbers of any type.
 //!
-//! Coordinates are in the frame of the vertex, with the axis along the travel. Let u = x² + y², let T(u) be the terms,
-//! w = z - T and κ = 1 + k. The surface is G = (c/2)(u + κ w²) - w = 0 with q = 1 - κ c w > 0. The condition q > 0
-//! selects the sheet and the half of the conic that contain the vertex. This form has no root that vanishes at the edge
-//! of the conic. G is positive before the surface. N = -∇G = (-m x, -m y, q), with m = c + 2 q dT/du, is normal to the
-//! surface and points ahead. With V = n D and g = N·V, Newton's step along the ray is G/g.
+//! Coordinates are in the frame of the vertex, with the axis along the direction of travel. Let u = x² + y², let T(u)
+//! be the terms, w = z - T and κ = 1 + k. The surface is G = (c/2)(u + κ w²) - w = 0 with q = 1 - κ c w > 0. The
+//! condition q > 0 selects the sheet and the half of the conic that contain the vertex. This form has no root that
+//! vanishes at the edge of the conic. G is positive before the surface. N = -∇G = (-m x, -m y, q), with m = c + 2 q
+//! dT/du, is normal to the surface and points ahead. With V = n D and g = N·V, Newton's step along the ray is G/g.
 //!
 //! **Selection of the crossing.** The hit is the first crossing toward the side ahead. The search starts at the point
 //! where the ray left the last surface, or at the height of this surface's lowest point if the ray reaches that height
@@ -24,14 +24,14 @@
 //!
 //! **Scope of the proof.** The crossing found at t is the first crossing ahead of the ray's start: between the start
 //! and t the ray is before the surface or behind its equator. The proof does not cover points behind the start or
-//! beyond t. Because z increases along the travel, light may pass through the lens in either direction; only the signs
-//! of the figure depend on the direction.
+//! beyond t. Because z increases along the direction of travel, light may pass through the lens in either direction;
+//! only the signs of the figure depend on the direction.
 
 use super::{Blocked, State};
 use crate::{lens::Figure, prescription::FIRST_POWER};
 use realistic_base::numeric::{Real, dot};
 
-/// An aspheric surface of a path, with z along the travel.
+/// An aspheric surface of a path, with z along the direction of travel.
 #[derive(Clone, Debug)]
 pub struct Aspheric<R> {
     /// The curvature of the conic at its vertex; positive if the centre of curvature lies ahead.
@@ -168,7 +168,7 @@ impl Bend {
     }
 }
 
-/// The bounds of a figure, with z along the travel.
+/// The bounds of a figure, with z along the direction of travel.
 struct TravelBounds {
     extent: [f64; 2],
     /// The least curvature of the figure.

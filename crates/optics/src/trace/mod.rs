@@ -1,9 +1,9 @@
 //! Exact tracing of rays through a lens.
 //!
 //! [`Path`] is a lens made ready for one direction of travel; [`Path::walk`] traces one ray through it and reports why
-//! a ray is blocked ([`Blocked`]). The same code serves both directions. A path measures z along the travel, so that a
-//! path from scene to film is a path from film to scene with the surfaces in reverse order and their curvatures
-//! negated. `realistic_trace::kernel::Kernel` is the same lens compiled for speed.
+//! a ray is blocked ([`Blocked`]). The same code serves both directions. A path measures z along the direction of
+//! travel, so that a path from scene to film is a path from film to scene with the surfaces in reverse order and their
+//! curvatures negated. `realistic_trace::kernel::Kernel` is the same lens compiled for speed.
 //!
 //! **Method.** A ray is a point P and a vector V = n D, its direction D times the refractive index n. At each surface:
 //!

@@ -40,7 +40,7 @@ pub struct Walk {
 /// The intersection of a ray with a surface, as reported by [`Path::intersections`].
 #[derive(Clone, Copy, Debug)]
 pub struct Intersection<R> {
-    /// Index of the surface, counted along the travel.
+    /// Index of the surface, counted along the direction of travel.
     pub surface: usize,
     /// The point on the surface, x and y, mm.
     pub point: [R; 2],
@@ -73,7 +73,7 @@ fn stations(surfaces: usize, turns: Option<[usize; 2]>) -> impl Iterator<Item = 
 }
 
 /// A ray at a surface, as [`Path::meetings`] reports it. Coordinates are in the frame of the surface's vertex, with z
-/// along the travel.
+/// along the direction of travel.
 #[derive(Clone, Copy, Debug)]
 pub struct Meeting {
     /// Index of the surface, counted along the path's direction.
@@ -133,13 +133,13 @@ impl<R: Real> Path<R> {
         Self::over(lens, direction, refraction, stations(lens.surfaces.len(), None))
     }
 
-    /// Builds a path that is reflected twice: at the surface `turns[1]`, counted along the travel, and then, on the way
-    /// back, at the surface `turns[0]`, which lies before `turns[1]`. The path meets all surfaces between the two
-    /// mirrors three times.
+    /// Builds a path that is reflected twice: at the surface `turns[1]`, counted along the direction of travel, and
+    /// then, on the way back, at the surface `turns[0]`, which lies before `turns[1]`. The path meets all surfaces
+    /// between the two mirrors three times.
     ///
-    /// A reflection is a refraction with n' = -n. Because z is measured along the travel, the frame turns round at a
-    /// mirror, and the path meets the surfaces between the mirrors as rays of the opposite direction do. Every test of
-    /// a ray is then the same as on a path without mirrors. A ray that turns by more than 90 degrees is
+    /// A reflection is a refraction with n' = -n. Because z is measured along the direction of travel, the frame turns
+    /// round at a mirror, and the path meets the surfaces between the mirrors as rays of the opposite direction do.
+    /// Every test of a ray is then the same as on a path without mirrors. A ray that turns by more than 90 degrees is
     /// [`Blocked::TurnedBack`].
     ///
     /// # Panics
@@ -271,8 +271,8 @@ impl<R: Real> Path<R> {
     }
 
     /// Traces a ray as [`Path::walk`] does, and also reports every surface met. `met` receives the index of the
-    /// surface, counted along the travel, and the point on the surface in lens space. The last surface reported may be
-    /// the one that blocks the ray.
+    /// surface, counted along the direction of travel, and the point on the surface in lens space. The last surface
+    /// reported may be the one that blocks the ray.
     pub fn walk_by(&self, ray: Ray, mut met: impl FnMut(usize, [f64; 3])) -> Walk {
         let travel_sign = self.travel_sign();
         let start = Ray { origin: ray.origin, direction: unit(ray.direction) };
@@ -393,9 +393,9 @@ impl<R: Real> Path<R> {
         }
     }
 
-    /// Returns a point of the ray near the lens, in the frame of the first vertex with z along the travel, and the
-    /// distance of that point from the ray's origin, both in mm. `ray` is in lens space, with a direction of any
-    /// nonzero length. If the vertex plane lies ahead and the ray is not too steep (`STEEP`), the point is on that
+    /// Returns a point of the ray near the lens, in the frame of the first vertex with z along the direction of travel,
+    /// and the distance of that point from the ray's origin, both in mm. `ray` is in lens space, with a direction of
+    /// any nonzero length. If the vertex plane lies ahead and the ray is not too steep (`STEEP`), the point is on that
     /// plane. Otherwise it is the point nearest the vertex if that point lies ahead, and else the ray's origin.
     ///
     /// Uses differences of products instead of P + t D. For a distant object, P + t D is only as precise as the
@@ -492,8 +492,8 @@ impl<R: Real> Path<R> {
         let mut steps = steps.into_iter().peekable();
         let Some(n) = steps.peek().map(|step| step.borrow().n) else { return Err(Blocked::Missed) };
         let mut state = self.enter(ray, direction, n);
-        // The point of the previous meeting, in the frame of that surface's vertex, with z along the travel behind the
-        // surface.
+        // The point of the previous meeting, in the frame of that surface's vertex, with z along the direction of
+        // travel behind the surface.
         let mut last: Option<[f64; 3]> = None;
         let (_, blocked) = self.trace_surfaces(steps, &mut state, |_, step, state| {
             let normal = step.normal(state.p).map(R::to_f64);

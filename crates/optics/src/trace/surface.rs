@@ -1,12 +1,12 @@
 //! One surface of a path. Intersects a ray, in the frame of the surface's vertex, and refracts it, or returns the
 //! reason why the ray is blocked.
 //!
-//! In that frame, with the axis along the travel and the curvature c, the sphere is (c/2)(x² + y² + z²) - z = 0, and
-//! its unit normal is N = (-c x, -c y, 1 - c z). Both formulas also hold for a plane, c = 0, and stay accurate for any
-//! radius. With V = n D, the hit lies at P + t V, where t = 2 f/(g + e). Here f is the left side of the sphere's
-//! equation at P, g is N·V at P, and e = sqrt(g² - 2 c n² f) is n cos I at the hit. Of the two roots, this is the one
-//! at which the ray crosses toward the side ahead. The near side of the sphere is therefore met whether the centre lies
-//! ahead or behind. The module `aspheric` intersects aspheres.
+//! In that frame, with the axis along the direction of travel and the curvature c, the sphere is (c/2)(x² + y² + z²) -
+//! z = 0, and its unit normal is N = (-c x, -c y, 1 - c z). Both formulas also hold for a plane, c = 0, and stay
+//! accurate for any radius. With V = n D, the hit lies at P + t V, where t = 2 f/(g + e). Here f is the left side of
+//! the sphere's equation at P, g is N·V at P, and e = sqrt(g² - 2 c n² f) is n cos I at the hit. Of the two roots, this
+//! is the one at which the ray crosses toward the side ahead. The near side of the sphere is therefore met whether the
+//! centre lies ahead or behind. The module `aspheric` intersects aspheres.
 
 use std::sync::Arc;
 
@@ -24,7 +24,8 @@ use realistic_base::numeric::{Real, dot};
 /// plane. At the ray's start the equation of the sphere loses precision by that ratio.
 const FAR: f64 = 2.0;
 
-/// One surface of a path, in a frame whose axis points along the travel and whose origin is the surface's vertex.
+/// One surface of a path, in a frame whose axis points along the direction of travel and whose origin is the surface's
+/// vertex.
 #[derive(Clone, Debug)]
 pub struct PathSurface<R> {
     /// Index of the lens surface, counted along the path's direction.

@@ -19,8 +19,8 @@ pub trait LookUp: Copy {
         further: [usize; K],
     ) -> [[Self; 4]; K] {
         let indices = Self::up_to::<STEP>(at, last_index(table, further));
-        // SAFETY: `last_index` ensures that two pairs of the table start at each of the indices plus each number of
-        // `further`.
+        // SAFETY: `last_index` limits the indices so that, for every k, the table holds two pairs from index +
+        // `further[k]` on.
         let mut found = [unsafe { Self::pairs(table.as_ptr().add(further[0]), indices) }; K];
         let mut k = 1;
         while k < K {

@@ -30,7 +30,8 @@ pub trait KernelScalar: Scalar {
     /// The widest vector of AVX-512.
     #[cfg(target_arch = "x86_64")]
     type Avx512: Lanes<Scalar = Self>;
-    /// Largest amplification of rounding that a link may have; above it, the errors of the golden rays begin to grow.
+    /// Largest amplification of rounding errors that a link may have. With a larger limit, the errors of the rays in
+    /// tests/golden begin to grow.
     const AMPLIFICATION: f64;
 
     /// Traces rays in arrays. This is compiled here, not at each use.

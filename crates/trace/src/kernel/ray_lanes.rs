@@ -1,7 +1,7 @@
 //! Rays in lanes inside a lens ([`RayLanes`]), and the operation of each type of step on them.
 //!
-//! The origin of the frame is the vertex of a surface; the z axis points along the travel. V = n D, c = 1/R (positive
-//! when the centre lies ahead), N = (-c x, -c y, 1 - c z) and K = n'² - n²:
+//! The origin of the frame is the vertex of a surface; the z axis points along the direction of travel. V = n D, c =
+//! 1/R (positive when the centre lies ahead), N = (-c x, -c y, 1 - c z) and K = n'² - n²:
 //!
 //! - f = (c/2)(x² + y² + z²) - z, g = N·V at the ray's point, e = √(g² - 2 c n² f) = n cos I and
 //!   e' = √(e² + K) = n' cos I' at the hit, t V away, t = (g - e)/(c n²) = 2 f/(g + e);
@@ -56,7 +56,7 @@ pub enum Start<L> {
 /// The refraction of rays at a surface, in the frame of its vertex; blocked lanes hold arbitrary values.
 #[derive(Clone, Copy)]
 pub struct Crossing<L> {
-    /// The normal N where the rays meet the surface, pointing along the travel.
+    /// The normal N where the rays meet the surface, pointing along the direction of travel.
     pub normal: [L; 3],
     /// N·N if N is not a unit vector.
     pub square: Option<L>,

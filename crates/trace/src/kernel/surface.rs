@@ -1,14 +1,14 @@
-//! A surface as input of the kernel's table: its data in a frame along the travel, and the tests that a ray still
-//! needs. The surfaces of a path are converted to [`CompiledSurface`]s, for which `table` chooses steps.
+//! A surface as input of the kernel's table: its data in a frame along the direction of travel, and the tests that a
+//! ray still needs. The surfaces of a path are converted to [`CompiledSurface`]s, for which `table` chooses steps.
 //!
 //! **Tests.** A ray is turned back if its next surface lies behind it (t < 0) or it no longer travels forward (Vz <=
 //! 0). A ray leaves a surface, and crosses the next surface, toward the side ahead. A condition that the shapes of the
 //! two surfaces and their distance prove for every ray between them is not tested ([`tests_between`]).
 //!
-//! **Mirrors.** Behind a mirror, the z axis is reversed, so that it again points along the travel, as in the path. The
-//! curvature of the mirror then changes sign, and N_z = 1 - c z and e = N·V stay the same. A ray leaves the mirror
-//! toward the side ahead, as it leaves any other surface. The proofs for the next surface and the intersection with it
-//! are thus the same as without a mirror, also for aspheres.
+//! **Mirrors.** Behind a mirror, the z axis is reversed, so that it again points along the direction of travel, as in
+//! the path. The curvature of the mirror then changes sign, and N_z = 1 - c z and e = N·V stay the same. A ray leaves
+//! the mirror toward the side ahead, as it leaves any other surface. The proofs for the next surface and the
+//! intersection with it are thus the same as without a mirror, also for aspheres.
 
 use realistic_optics::trace::{Aspheric, PathSurface, StopFigure};
 
@@ -120,7 +120,8 @@ pub fn surfaces(steps: &[PathSurface<f64>], travel_sign: f64, epsilon: f64) -> V
     surfaces
 }
 
-/// The part of a surface inside its clear aperture, in a frame at the vertex whose z axis points along the travel.
+/// The part of a surface inside its clear aperture, in a frame at the vertex whose z axis points in the direction of
+/// travel.
 #[derive(Clone, Copy, Debug)]
 struct ClearPart {
     /// 1/radius, positive when the centre lies ahead.

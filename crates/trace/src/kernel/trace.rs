@@ -35,7 +35,7 @@ pub fn through<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>, const U: usize>
     L::apart(cpu, Steps { cpu, table, carried, rays, states, count });
 }
 
-/// The arguments of [`trace_steps`], as work for a function of its own.
+/// The arguments of [`trace_steps`], packed so that [`Lanes::apart`] can call it from a separate function.
 struct Steps<'a, L: Lanes, A, C: Carried<L::Scalar>, const U: usize> {
     cpu: Cpu<L>,
     table: &'a Table<L::Scalar>,

@@ -67,7 +67,8 @@ _FITTED = {0: (0, 1, 2, 3), 2: (0, 1, 2, 3, 4, 5), 4: (0, 1, 2, 3, 4, 5, 6, 7), 
 def intrinsics(camera: Camera, distance: float | None = None, *, coefficients: int = 5) -> Intrinsics:
     """Fits the pinhole matrix and OpenCV's distortion to a camera's pictures, with the residual in pixels.
 
-    The fit uses mean rays, because a detector finds the centre of a blurred image there. `Camera.export("opencv")` uses
+    The fit uses mean rays, because a mean ray marks the centre of a blurred image, where a detector finds it.
+    `Camera.export("opencv")` uses
     chief rays, which pass the middle of the stop. Coma and vignetting make mean rays and chief rays differ.
 
     Parameters

@@ -346,7 +346,8 @@ impl<S: Scalar> Profile<S> {
         }
     }
 
-    /// Returns z along the travel at the squared distance u from the axis; NaN beyond the end of the conic.
+    /// Returns z along the direction of travel at the squared distance u from the axis; NaN beyond the end of the
+    /// conic.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn height<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, u: L) -> L {
         let one = L::splat(cpu, S::ONE);
