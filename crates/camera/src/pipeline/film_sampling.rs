@@ -117,7 +117,10 @@ impl<S: KernelScalar> FilmSampling<S> {
             LanePupilSampler::Spectral(pupil, constants) => {
                 pupil.lanes(cpu, constants, &wavelengths, &mut rays);
             }
-            LanePupilSampler::Posed(pupil, constants) => pupil.lanes(cpu, constants, &mut rays),
+            // Apart, so that it is compiled once and not in the loop of every camera.
+            LanePupilSampler::Posed(pupil, constants) => {
+                L::apart(cpu, PosedRays { cpu, pupil, constants, rays: &mut rays });
+            }
         }
         if let Some([from, to]) = self.wavelengths {
             let none = L::splat(cpu, S::from_f64(f64::NAN));
@@ -160,6 +163,21 @@ impl<S: KernelScalar> FilmSampling<S> {
         let ray = FilmRays { point, disk: point, slopes: point, area_per_pi: point[0] };
         let Portable([square]) = ray.radius_squared();
         square
+    }
+}
+
+/// Film rays that start on tilted or curved film, packed so that [`Lanes::apart`] can sample them in a separate function.
+struct PosedRays<'a, L: Lanes, const U: usize> {
+    cpu: Cpu<L>,
+    pupil: &'a PosedPupil,
+    constants: &'a LanePosed<L::Scalar>,
+    rays: &'a mut [FilmRays<L>; U],
+}
+
+impl<L: Lanes, const U: usize> Compiled for PosedRays<'_, L, U> {
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn run(self) {
+        self.pupil.lanes(self.cpu, self.constants, self.rays);
     }
 }
 
