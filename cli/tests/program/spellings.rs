@@ -66,9 +66,16 @@ fn a_parameter_has_one_name_everywhere() {
     let stderr = String::from_utf8(output.stderr).unwrap();
     assert!(output.status.success() && stderr.contains("\"shutter\" changes nothing here"), "{stderr}");
     // Film that these commands would ignore is refused.
-    for command in ["lens", "draw", "focus", "export", "blender", "flare"] {
-        let format: &[&str] = if command == "export" { &["--as", "opencv"] } else { &[] };
-        let stderr = fails(&[&[command, "dgauss.50mm", "--film-tilt-x", "5"], format].concat(), "", 2);
+    for (command, more) in [
+        ("lens", &[][..]),
+        ("draw", &[]),
+        ("focus", &[]),
+        ("pupil", &["--film-radius", "3"]),
+        ("export", &["--as", "opencv"]),
+        ("blender", &[]),
+        ("flare", &["--light", "10,5"]),
+    ] {
+        let stderr = fails(&[&[command, "dgauss.50mm", "--film-tilt-x", "5"], more].concat(), "", 2);
         assert!(stderr.contains("leave out \"film_tilt_x\""), "{command}: {stderr}");
     }
 }
