@@ -268,9 +268,9 @@ pub const FIRST_POWER: usize = 2;
 /// The highest power of r in [`Asphere::terms`].
 pub const LAST_POWER: usize = 30;
 /// The coefficients of the terms, lowest power first.
-pub type Terms = [f64; LAST_POWER - FIRST_POWER + 1];
+pub type AsphereTerms = [f64; LAST_POWER - FIRST_POWER + 1];
 /// The terms of a pure conic: all 0.
-pub const NO_TERMS: Terms = [0.0; LAST_POWER - FIRST_POWER + 1];
+pub const NO_TERMS: AsphereTerms = [0.0; LAST_POWER - FIRST_POWER + 1];
 
 /// A surface of revolution: z = c r²/(1 + √(1 - (1 + k) c² r²)) + Σ `A_i` r^i, where c = 1/radius, z is the distance
 /// from the vertex plane toward the film, and r is the distance from the axis (W. J. Smith, *Modern Optical
@@ -283,7 +283,7 @@ pub struct Asphere {
     /// a prolate ellipsoid, more than 0 for an oblate ellipsoid.
     pub conic: f64,
     /// A2, A3, … A30, in mm^(1 - i).
-    pub terms: Terms,
+    pub terms: AsphereTerms,
 }
 
 impl Asphere {

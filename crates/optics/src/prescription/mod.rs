@@ -32,7 +32,7 @@ pub use coating::{AirSide, Coating, Layer, STACK, SurfaceCoating};
 pub use findings::{Fate, Finding};
 pub use glass::GlassLibrary;
 pub use interfaces::{
-    Asphere, FIRST_POWER, Glass, Interface, Medium, NO_TERMS, Prescription, Shape, Stated, Terms,
+    Asphere, AsphereTerms, FIRST_POWER, Glass, Interface, Medium, NO_TERMS, Prescription, Shape, Stated,
 };
 pub use positions::{Layout, Position, Positions};
 pub use reader::{read, read_with};

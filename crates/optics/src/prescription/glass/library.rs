@@ -166,7 +166,7 @@ impl GlassLibrary {
         } else if let Some(nearest) = nearest(&of_own).or_else(|| nearest(&known)) {
             parts.push(format!("the nearest that is known is {nearest}"));
         }
-        parts.extend(self.told());
+        parts.extend(self.warnings());
         parts.push(
             "put its maker's catalogue (AGF) beside the lens file or give it as \"glass_catalog\"".to_owned(),
         );
@@ -174,7 +174,7 @@ impl GlassLibrary {
     }
 
     /// Returns a warning for each part of the searched catalogues that was left out.
-    pub fn told(&self) -> Vec<String> {
+    pub fn warnings(&self) -> Vec<String> {
         let beside = self.beside.get();
         let files = self.given.iter().chain(beside.iter().flat_map(|beside| &beside.catalogues));
         beside
@@ -282,11 +282,11 @@ mod tests {
         let here =
             directory(&[("a.agf", 3, 5 * mib), ("b.agf", 3, 5 * mib), ("c.agf", 3, 0), ("d.agf", 0, 9)]);
         let library = GlassLibrary::default().beside(&here.path().join("lens.dat"));
-        assert!(library.told().is_empty(), "nothing is looked into before a glass is named");
+        assert!(library.warnings().is_empty(), "nothing is looked into before a glass is named");
         assert!(library.find("A1").is_some_and(|glass| glass.is_ok()) && library.find("c_2").is_some());
         assert!(library.find("B-1").is_none());
         assert_eq!(counts(&library), [2, 6]);
-        let warnings = library.told();
+        let warnings = library.warnings();
         let [no_catalogue, beyond] = &warnings[..] else { panic!("{warnings:?}") };
         assert!(no_catalogue.contains("d.agf:1:1: no glass"), "{no_catalogue}");
         assert!(
@@ -300,7 +300,11 @@ mod tests {
         let library = GlassLibrary::default().beside(&here.path().join("lens.dat"));
         assert!(library.find("149-399").is_some() && library.find("150-1").is_none());
         assert_eq!(counts(&library), [50, 20_000]);
-        assert!(library.told()[0].contains("150.agf, 151.agf, 152.agf and 47 more"), "{:?}", library.told());
+        assert!(
+            library.warnings()[0].contains("150.agf, 151.agf, 152.agf and 47 more"),
+            "{:?}",
+            library.warnings()
+        );
         let here = directory(&many.iter().map(|name| (name.as_str(), 2, 0)).collect::<Vec<_>>());
         let library = GlassLibrary::default().beside(&here.path().join("lens.dat"));
         assert!(library.find("x").is_none());
@@ -384,13 +388,13 @@ mod tests {
         library.add("a.agf", text.as_bytes()).expect("a catalogue");
         let mut candidates = library.candidates("X", &["B".to_owned()]);
         for (count, catalogue) in ["A", "B", "A"].into_iter().enumerate() {
-            assert_eq!(library.told().len(), count);
+            assert_eq!(library.warnings().len(), count);
             assert_eq!(candidates.next().map(|found| found.catalogue).as_deref(), Some(catalogue));
         }
         assert!(candidates.next().is_none());
         // Each catalogue warns once, however often the glass is looked up.
         assert!(library.find("X").is_some_and(|glass| glass.is_ok()));
-        assert_eq!(library.told().len(), 3);
+        assert_eq!(library.warnings().len(), 3);
     }
 
     #[test]

@@ -141,13 +141,13 @@ pub enum Dispersion {
         /// Whether the terms sum to n²; otherwise they sum to n.
         of_square: bool,
         /// The terms to sum.
-        terms: Terms,
+        terms: DispersionTerms,
     },
 }
 
 /// The terms of a formula.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Terms {
+pub enum DispersionTerms {
     /// `slope` λ² + Σ w/(λ² - C).
     Poles {
         /// Coefficient of λ².
@@ -184,21 +184,23 @@ impl Dispersion {
             Medium::Air | Medium::Glass { abbe: None, .. } => Self::None,
             Medium::Glass { n_d, abbe: Some(abbe) } => {
                 let [inverse, slope, pole] = two_numbers::terms(*n_d, *abbe);
-                of_index(Terms::Poles { slope, poles: vec![[inverse, 0.0], [pole, HERZBERGER]] })
+                of_index(DispersionTerms::Poles { slope, poles: vec![[inverse, 0.0], [pole, HERZBERGER]] })
             }
-            Medium::Sellmeier { b, c } => of_square(Terms::Poles { slope: 0.0, poles: poles(b, c) }),
+            Medium::Sellmeier { b, c } => {
+                of_square(DispersionTerms::Poles { slope: 0.0, poles: poles(b, c) })
+            }
             Medium::Formula(Formula::Sellmeier { rest: [_, slope], b, c }) => {
                 let poles = poles(b, c);
-                of_square(Terms::Poles { slope: *slope, poles })
+                of_square(DispersionTerms::Poles { slope: *slope, poles })
             }
             Medium::Formula(Formula::Polynomial(constants)) => {
                 let lowest = (-LOWEST_POWER / 2) as usize;
                 let falling = constants[..lowest].iter().rev().copied().collect();
-                of_square(Terms::Powers { rising: constants[lowest + 1..].to_vec(), falling })
+                of_square(DispersionTerms::Powers { rising: constants[lowest + 1..].to_vec(), falling })
             }
-            Medium::Formula(Formula::Conrady([_, b, c])) => of_index(Terms::Conrady([*b, *c])),
+            Medium::Formula(Formula::Conrady([_, b, c])) => of_index(DispersionTerms::Conrady([*b, *c])),
             Medium::Formula(Formula::Herzberger([_, b, c, d, e, f])) => {
-                of_index(Terms::Herzberger { of_l: [*b, *c], rising: [*d, *e, *f] })
+                of_index(DispersionTerms::Herzberger { of_l: [*b, *c], rising: [*d, *e, *f] })
             }
         }
     }

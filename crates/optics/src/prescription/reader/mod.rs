@@ -76,7 +76,7 @@ pub fn read_with(name: &str, bytes: &[u8], library: &GlassLibrary) -> Result<Pre
     }?;
     keep_paired_positions(&mut lens, &mut ledger);
     let (findings, warnings) = ledger.close();
-    lens.remarks = folded(&[warnings, lens.remarks, library.told()].concat());
+    lens.remarks = folded(&[warnings, lens.remarks, library.warnings()].concat());
     Ok(Prescription { name: short_name, findings: findings.into(), ..lens })
 }
 

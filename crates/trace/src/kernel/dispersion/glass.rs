@@ -4,7 +4,7 @@
 use realistic_base::numeric::Real;
 use realistic_optics::prescription::{
     Medium,
-    glass::{Dispersion, HERZBERGER, Terms, refractive_index},
+    glass::{Dispersion, DispersionTerms, HERZBERGER, refractive_index},
 };
 use realistic_simd::{Cpu, Lanes, Scalar};
 
@@ -108,7 +108,7 @@ impl<S: Scalar> LaneGlass<S> {
 }
 
 impl<S: Scalar> Sum<S> {
-    fn new(terms: &Terms, own: f64) -> Self {
+    fn new(terms: &DispersionTerms, own: f64) -> Self {
         let round = |numbers: &[f64]| numbers.iter().map(|&number| S::from_f64(number)).collect();
         let wavelength = own * 1e-3;
         let square = wavelength * wavelength;
@@ -116,7 +116,7 @@ impl<S: Scalar> Sum<S> {
         // Horner's rule; the constant is 0.
         let powers = |numbers: &[f64], of: f64| of * numbers.iter().rev().fold(0.0, |sum, a| sum * of + a);
         match terms {
-            Terms::Poles { slope, poles } => {
+            DispersionTerms::Poles { slope, poles } => {
                 let pole = |&[weight, center]: &[f64; 2]| {
                     let scale = center.abs().max(1.0).recip();
                     Pole {
@@ -128,16 +128,16 @@ impl<S: Scalar> Sum<S> {
                 let used = poles.iter().filter(|[weight, _]| *weight != 0.0);
                 Self::Poles { slope: S::from_f64(*slope), poles: used.map(pole).collect() }
             }
-            Terms::Powers { rising, falling } => Self::Powers {
+            DispersionTerms::Powers { rising, falling } => Self::Powers {
                 rising: round(rising),
                 falling: round(falling),
                 own: S::from_f64(powers(rising, square) + powers(falling, square.recip())),
             },
-            Terms::Conrady([b, c]) => {
+            DispersionTerms::Conrady([b, c]) => {
                 let own = b / wavelength + c / wavelength.powf(3.5);
                 Self::Conrady([*b, *c].map(S::from_f64), S::from_f64(own))
             }
-            Terms::Herzberger { of_l, rising } => Self::Herzberger {
+            DispersionTerms::Herzberger { of_l, rising } => Self::Herzberger {
                 of_l: of_l.map(S::from_f64),
                 rising: rising.map(S::from_f64),
                 own: S::from_f64(powers(of_l, l) + powers(rising, square)),

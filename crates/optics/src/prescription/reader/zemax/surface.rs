@@ -8,7 +8,7 @@ use super::blocks::{Block, Record};
 use crate::prescription::{
     Fate, LensFileError,
     coating::{Coating, SurfaceCoating},
-    interfaces::{Asphere, FIRST_POWER, Interface, LAST_POWER, Medium, NO_TERMS, Terms, has_coating},
+    interfaces::{Asphere, AsphereTerms, FIRST_POWER, Interface, LAST_POWER, Medium, NO_TERMS, has_coating},
     reader::{
         ledger::Ledger,
         named_glass::NamedGlasses,
@@ -94,7 +94,7 @@ fn terms(
     block: &Block<'_>,
     curvature: f64,
     ledger: &mut Ledger<'_>,
-) -> Result<Terms, LensFileError> {
+) -> Result<AsphereTerms, LensFileError> {
     let word = block.find("TYPE").and_then(|record| record.word(0));
     let location = word.map_or(block.location, |word| word.location);
     let location = block.find("TYPE").map_or(location, |record| record.key.location);
