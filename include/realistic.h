@@ -713,8 +713,8 @@ typedef struct realistic_focused_film {
     double film_tilt_y;
 } realistic_focused_film;
 
-// Array of vectors in double precision that a call reads and overwrites, with the layout of
-// `realistic_output`.
+// Array of vectors in double precision that a call writes, after it has read them where its description says
+// so, with the layout of `realistic_output`.
 typedef struct realistic_vectors {
     // Address of the first element's x.
     double *x;

@@ -138,15 +138,15 @@ impl Arrays {
         let [image_x, image_y, lens_u, lens_v, time] = self.samples.each_ref().map(Vec::as_ptr);
         let [ox, oy, oz, dx, dy, dz, weight, mint, maxt, ray_time] =
             self.rays.each_mut().map(Vec::as_mut_ptr);
-        let input = |x, y| realistic_input::columns([x, y, null()]);
-        let output = |x, y, z| realistic_output::columns([x, y, z]);
-        let number = |x| output(x, null_mut(), null_mut());
+        let pair = |x, y| realistic_input::columns([x, y]);
+        let vector = |x, y, z| realistic_output::columns([x, y, z]);
+        let number = |x| realistic_output::columns([x]);
         let request = realistic_request {
-            image: input(image_x, image_y),
-            lens: input(lens_u, lens_v),
-            time: input(time, null()),
-            origin: output(ox, oy, oz),
-            direction: output(dx, dy, dz),
+            image: pair(image_x, image_y),
+            lens: pair(lens_u, lens_v),
+            time: realistic_input::columns([time]),
+            origin: vector(ox, oy, oz),
+            direction: vector(dx, dy, dz),
             weight: number(weight),
             mint: number(mint),
             maxt: number(maxt),

@@ -54,7 +54,7 @@ impl PerRay {
     /// ray.
     #[inline(always)]
     pub fn weights_or(&self, own: &mut f32) -> Strided {
-        if self.weights.is_there() { self.weights } else { Strided::new(own, 0) }
+        self.weights.or(own)
     }
 
     /// Writes the reason for each ray's weight, if reasons are requested. This is a separate step, because
@@ -107,8 +107,7 @@ pub unsafe extern "C" fn realistic_camera_generate_batch(
         let rays = per_ray.rays;
         let [x, y] = input("request.image", n, &request.image)?;
         let [u, v] = input("request.lens", n, &request.lens)?;
-        let given = optional_input("request.time", n, &request.time)?;
-        let time = if given.is_there() { given } else { Strided::new((&raw const NO_TIME).cast_mut(), 0) };
+        let time = optional_input("request.time", n, &request.time)?.or((&raw const NO_TIME).cast_mut());
         let [ox, oy, oz] = output("request.origin", rays, &request.origin)?;
         let [dx, dy, dz] = output("request.direction", rays, &request.direction)?;
         if !per_ray.weights.is_there() {

@@ -96,6 +96,9 @@ unsafe fn check<T>(what: &str, name: &str, at: *const T) -> Result<(), Failure> 
 /// Copies a text with a terminating NUL, truncated to `capacity` bytes, and writes its full length without
 /// the NUL.
 ///
+/// # Errors
+/// `buffer` is NULL, but `capacity` is not 0.
+///
 /// # Safety
 /// `buffer` is NULL or has `capacity` writable bytes; `length` is NULL or writable.
 pub(super) unsafe fn give_text(

@@ -72,6 +72,9 @@ unsafe fn put(column: Strided, first: usize, numbers: &[f64]) {
 }
 
 /// Returns the adjoint camera. If it is not built yet, first checks that there is enough memory to build it.
+///
+/// # Errors
+/// There is not enough memory, or the camera has no importance.
 fn adjoint(handle: &Handle) -> Result<&AdjointCamera, Failure> {
     let camera = handle.camera();
     if !camera.has_adjoint() {
@@ -119,9 +122,9 @@ pub unsafe extern "C" fn realistic_camera_importance(
         }
         let origin = input::<3>("rays.origin", n, &rays.origin)?;
         let direction = input::<3>("rays.direction", n, &rays.direction)?;
-        let times = optional_input("rays.time", n, &rays.time)?;
-        let columns = importance.columns(n)?;
         let middle = adjoint.middle_time();
+        let times = optional_input("rays.time", n, &rays.time)?.or((&raw const middle).cast_mut());
+        let columns = importance.columns(n)?;
         let mut requested = Vec::with_capacity(n.min(BLOCK));
         for first in (0..n).step_by(BLOCK) {
             let count = BLOCK.min(n - first);
@@ -133,7 +136,7 @@ pub unsafe extern "C" fn realistic_camera_importance(
                     direction: direction.map(|column| column.get(i)),
                     mint: 0.0,
                     maxt: 0.0,
-                    time: if times.is_there() { times.get(i) } else { middle },
+                    time: times.get(i),
                 }));
                 let found = adjoint.arrive_block(&requested);
                 columns
@@ -204,12 +207,12 @@ pub unsafe extern "C" fn realistic_camera_sample_importance(
         }
         let [x, y, z] = input("points.point", n, &points.point)?;
         let [u, v] = input("points.lens", n, &points.lens)?;
-        let times = optional_input("points.time", n, &points.time)?;
+        let middle = adjoint.middle_time();
+        let times = optional_input("points.time", n, &points.time)?.or((&raw const middle).cast_mut());
         let [ox, oy, oz] = optional_output("aimed.origin", n, &aimed.origin)?;
         let [dx, dy, dz] = output("aimed.direction", n, &aimed.direction)?;
         let [density] = output("aimed.density", n, &aimed.density)?;
         let columns = importance.columns(n)?;
-        let middle = adjoint.middle_time();
         for first in (0..n).step_by(BLOCK) {
             let count = BLOCK.min(n - first);
             let mut requested = PointColumns::<5>::new(count);
@@ -219,10 +222,8 @@ pub unsafe extern "C" fn realistic_camera_sample_importance(
                     *number = unsafe { column.get(i) }.into();
                 }
             }
-            let times = (first..first + count).map(|i| {
-                // SAFETY: as above.
-                if times.is_there() { unsafe { times.get(i) } } else { middle }
-            });
+            // SAFETY: as above.
+            let times = (first..first + count).map(|i| unsafe { times.get(i) });
             let found = adjoint.aim_block(&requested, times);
             let toward = [ox, oy, oz, dx, dy, dz, density].into_iter().zip(found.toward_lens.each());
             for (column, numbers) in toward.chain(columns.into_iter().zip(found.importance_columns())) {

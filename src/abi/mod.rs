@@ -7,10 +7,10 @@
 //!
 //! `types` defines the structures by layout. `boundary` keeps panics from reaching the host and shields the
 //! work from the host's traps and rounding mode; it also maps errors to statuses and checks for memory before
-//! anything is built. `exchange` copies data to and from a caller's memory. `object` makes, recognises and
-//! serves the cameras that a host holds. `library`, `options`, `camera`, `ray`, `batch`, `importance`,
-//! `autofocus` and `lens` export the functions for C callers. `pbrt` is the entry point of a pbrt-v1 host
-//! (only if `pbrt-shim/` is built).
+//! anything is built. `exchange` copies data to and from a caller's memory, and `views` checks its arrays.
+//! `object` makes, recognises and serves the cameras that a host holds. `library`, `options`, `camera`, `ray`,
+//! `batch`, `importance`, `autofocus` and `lens` export the functions for C callers. `pbrt` is the entry point
+//! of a pbrt-v1 host (only if `pbrt-shim/` is built).
 
 #![allow(clippy::missing_safety_doc, reason = "the safety of all exports is stated above, once")]
 

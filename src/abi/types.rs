@@ -147,8 +147,8 @@ pub struct realistic_output {
     pub stride: isize,
 }
 
-/// Array of vectors in double precision that a call reads and overwrites, with the layout of
-/// `realistic_output`.
+/// Array of vectors in double precision that a call writes, after it has read them where its description says
+/// so, with the layout of `realistic_output`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 #[allow(non_camel_case_types)]

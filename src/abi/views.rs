@@ -14,9 +14,13 @@ impl realistic_input {
     /// An omitted input.
     pub const NONE: Self = Self { x: null(), y: null(), z: null(), stride: 0 };
 
-    /// Describes elements whose components lie in contiguous arrays.
-    pub const fn columns([x, y, z]: [*const f32; 3]) -> Self {
-        Self { x, y, z, stride: size_of::<f32>() as isize }
+    /// Describes elements whose components lie in contiguous arrays: one array for numbers, two for pairs, three
+    /// for vectors.
+    pub const fn columns<const N: usize>(firsts: [*const f32; N]) -> Self {
+        const { assert!(0 < N && N <= 3, "elements have one to three components") };
+        let y = if N > 1 { firsts[1] } else { null() };
+        let z = if N > 2 { firsts[2] } else { null() };
+        Self { x: firsts[0], y, z, stride: size_of::<f32>() as isize }
     }
 }
 
@@ -24,9 +28,13 @@ impl realistic_output {
     /// An omitted output.
     pub const NONE: Self = Self { x: null_mut(), y: null_mut(), z: null_mut(), stride: 0 };
 
-    /// Describes elements whose components lie in contiguous arrays.
-    pub const fn columns([x, y, z]: [*mut f32; 3]) -> Self {
-        Self { x, y, z, stride: size_of::<f32>() as isize }
+    /// Describes elements whose components lie in contiguous arrays: one array for numbers, two for pairs, three
+    /// for vectors.
+    pub const fn columns<const N: usize>(firsts: [*mut f32; N]) -> Self {
+        const { assert!(0 < N && N <= 3, "elements have one to three components") };
+        let y = if N > 1 { firsts[1] } else { null_mut() };
+        let z = if N > 2 { firsts[2] } else { null_mut() };
+        Self { x: firsts[0], y, z, stride: size_of::<f32>() as isize }
     }
 }
 

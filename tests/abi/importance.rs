@@ -127,7 +127,7 @@ fn what_single_precision_cannot_hold_counts_nothing() {
     let mut counted: Columns<6> = std::array::from_fn(|_| vec![f32::NAN; 2]);
     let mut inputs = rays(&along);
     let times = [0.5, 1e-20];
-    inputs.time = realistic_input::columns([times.as_ptr(), null(), null()]);
+    inputs.time = realistic_input::columns([times.as_ptr()]);
     // SAFETY: the columns have two numbers.
     let status = unsafe { realistic_camera_importance(camera.0, 2, &inputs, &importance(&mut counted)) };
     assert_eq!(status, realistic_status::Ok, "{}", last_error());

@@ -39,6 +39,12 @@ impl<T: Copy> Strided<T> {
         !self.first.is_null()
     }
 
+    /// Returns this column or, if it is missing, one that repeats the number at `first`.
+    #[inline(always)]
+    pub fn or(self, first: *mut T) -> Self {
+        if self.is_there() { self } else { Self::new(first, 0) }
+    }
+
     /// Returns the address of number `i`.
     #[inline(always)]
     pub fn at(self, i: usize) -> *mut T {

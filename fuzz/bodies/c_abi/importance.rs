@@ -1,9 +1,6 @@
 //! The adjoint camera: for any rays and points, importance is finite and not negative.
 
-use std::{
-    array,
-    ptr::{null, null_mut},
-};
+use std::array;
 
 use super::bytes::Bytes;
 use realistic::ffi::*;
@@ -69,7 +66,7 @@ pub fn rays(columns: &[impl AsRef<[f32]>; 7]) -> realistic_importance_rays {
         struct_size,
         origin: realistic_input::columns([ox, oy, oz]),
         direction: realistic_input::columns([dx, dy, dz]),
-        time: realistic_input::columns([time, null(), null()]),
+        time: realistic_input::columns([time]),
     }
 }
 
@@ -79,8 +76,8 @@ pub fn points(columns: &[impl AsRef<[f32]>; 6]) -> realistic_scene_points {
     realistic_scene_points {
         struct_size: size_of::<realistic_scene_points>() as u32,
         point: realistic_input::columns([x, y, z]),
-        lens: realistic_input::columns([u, v, null()]),
-        time: realistic_input::columns([time, null(), null()]),
+        lens: realistic_input::columns([u, v]),
+        time: realistic_input::columns([time]),
     }
 }
 
@@ -91,7 +88,7 @@ pub fn aimed(columns: &mut [impl AsMut<[f32]>; 7]) -> realistic_aimed {
         struct_size: size_of::<realistic_aimed>() as u32,
         origin: realistic_output::columns([ox, oy, oz]),
         direction: realistic_output::columns([dx, dy, dz]),
-        density: numbers(density),
+        density: realistic_output::columns([density]),
     }
 }
 
@@ -102,15 +99,10 @@ pub fn room(columns: &mut [impl AsMut<[f32]>; 6]) -> realistic_importance {
     let struct_size = size_of::<realistic_importance>() as u32;
     realistic_importance {
         struct_size,
-        image: realistic_output::columns([image_x, image_y, null_mut()]),
-        importance: numbers(importance),
-        density: numbers(density),
-        area_density: numbers(area_density),
-        solid_angle_density: numbers(solid_angle_density),
+        image: realistic_output::columns([image_x, image_y]),
+        importance: realistic_output::columns([importance]),
+        density: realistic_output::columns([density]),
+        area_density: realistic_output::columns([area_density]),
+        solid_angle_density: realistic_output::columns([solid_angle_density]),
     }
-}
-
-/// Describes a contiguous array of numbers.
-fn numbers(first: *mut f32) -> realistic_output {
-    realistic_output::columns([first, null_mut(), null_mut()])
 }

@@ -145,7 +145,7 @@ class Output(ctypes.Structure):
 
 
 class Vectors(ctypes.Structure):
-    """`realistic_vectors`: vectors of float64 that the library reads and overwrites."""
+    """`realistic_vectors`: vectors of float64 that the library writes, and for rays also reads."""
 
     _fields_ = _VIEW
 

@@ -126,9 +126,7 @@ fn info_of(opened: &OpenedLens) -> realistic_lens_info {
     let OpenedLens { lens, first_order, beam, .. } = opened;
     let AxialBeam { entrance, exit, .. } = beam;
     let optics = first_order.as_ref().ok();
-    let of = |position: fn(&realistic_optics::lens::first_order::FirstOrder) -> f64| {
-        optics.map_or(f64::NAN, position)
-    };
+    let of = |position: fn(&FirstOrder) -> f64| optics.map_or(f64::NAN, position);
     let focal_length = optics.map_or(f64::INFINITY, |optics| optics.focal_length);
     let tnumber = |coating: Coating| {
         TStop::of(lens, &Surfaces::new(lens, coating), beam, focal_length)
@@ -282,10 +280,8 @@ pub unsafe extern "C" fn realistic_lens_plane_of_focus(
         // SAFETY: the caller's promise.
         let points: [[f64; 3]; 3] = unsafe { points.cast::<[[f64; 3]; 3]>().read_unaligned() };
         let focus = focus_of(opened)?;
-        let first_order = FirstOrder::of(&opened.lens).map_err(CameraError::from)?;
-        let FocusedFilm { film_distance, tilt: [film_tilt_x, film_tilt_y] } =
-            FocusedFilm::on(focus, &first_order, points)
-                .map_err(|error| Failure::new(realistic_status::UnreachableFocus, error.to_string()))?;
+        let FocusedFilm { film_distance, tilt: [film_tilt_x, film_tilt_y] } = FocusedFilm::on(focus, points)
+            .map_err(|error| Failure::new(realistic_status::UnreachableFocus, error.to_string()))?;
         let struct_size = size_of::<realistic_focused_film>() as u32;
         let found = realistic_focused_film { struct_size, film_distance, film_tilt_x, film_tilt_y };
         // SAFETY: the caller's promise.

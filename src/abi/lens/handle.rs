@@ -97,6 +97,9 @@ pub unsafe extern "C" fn realistic_lens_new(
 }
 
 /// Refuses the parameters that only a camera has.
+///
+/// # Errors
+/// Such a parameter is given.
 fn only_of_a_lens(parameters: &Parameters) -> Result<(), Failure> {
     match parameters.given().find(|row| !PARAMETERS.contains(&row.name)) {
         Some(row) => Err(Failure::invalid(format!(

@@ -144,6 +144,9 @@ pub unsafe extern "C" fn realistic_lens_trace(
 }
 
 /// Returns the lens prepared for rays from side `from`.
+///
+/// # Errors
+/// There is no such side.
 fn directed(opened: &OpenedLens, from: i32) -> Result<&DirectedLens, Failure> {
     let lens = usize::try_from(from).ok().and_then(|side| opened.directed.get(side));
     lens.ok_or_else(|| {

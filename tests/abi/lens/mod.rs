@@ -23,6 +23,18 @@ fn last_error() -> String {
     unsafe { CStr::from_ptr(realistic_last_error()) }.to_str().expect("UTF-8").to_owned()
 }
 
+/// Describes rays in columns, x, y, z, dx, dy, dz, with their reasons.
+fn lens_rays(columns: &mut [Vec<f64>; 6], reasons: &mut [realistic_reason]) -> realistic_lens_rays {
+    let [ox, oy, oz, dx, dy, dz] = columns.each_mut().map(|column| column.as_mut_ptr());
+    realistic_lens_rays {
+        struct_size: size_of::<realistic_lens_rays>() as u32,
+        origin: realistic_vectors::columns([ox, oy, oz]),
+        direction: realistic_vectors::columns([dx, dy, dz]),
+        reason: reasons.as_mut_ptr(),
+        reason_stride: size_of::<realistic_reason>() as isize,
+    }
+}
+
 /// A lens that is freed on drop.
 struct Lens(*mut realistic_lens);
 
@@ -79,15 +91,7 @@ impl Lens {
     fn trace(&self, from: realistic_side, rays: &[[f64; 6]]) -> (Vec<[f64; 6]>, Vec<realistic_reason>) {
         let mut columns: [Vec<f64>; 6] = std::array::from_fn(|c| rays.iter().map(|ray| ray[c]).collect());
         let mut reasons = vec![realistic_reason::Shut; rays.len()];
-        let [ox, oy, oz, dx, dy, dz] = columns.each_mut().map(|column| column.as_mut_ptr());
-        let struct_size = size_of::<realistic_lens_rays>() as u32;
-        let arrays = realistic_lens_rays {
-            struct_size,
-            origin: realistic_vectors::columns([ox, oy, oz]),
-            direction: realistic_vectors::columns([dx, dy, dz]),
-            reason: reasons.as_mut_ptr(),
-            reason_stride: size_of::<realistic_reason>() as isize,
-        };
+        let arrays = lens_rays(&mut columns, &mut reasons);
         // SAFETY: the arrays have one element per ray.
         let status = unsafe { realistic_lens_trace(self.0, from as i32, rays.len(), &arrays, null()) };
         assert_eq!(status, realistic_status::Ok, "{}", last_error());
@@ -101,15 +105,7 @@ impl Lens {
         let mut columns: [Vec<f64>; 6] = std::array::from_fn(|c| rays.iter().map(|ray| ray[c]).collect());
         let mut coordinates = [(); 3].map(|()| vec![7.0; n * surfaces]);
         let (mut reasons, mut met) = (vec![realistic_reason::Shut; n], vec![99; n]);
-        let [ox, oy, oz, dx, dy, dz] = columns.each_mut().map(|column| column.as_mut_ptr());
-        let struct_size = size_of::<realistic_lens_rays>() as u32;
-        let arrays = realistic_lens_rays {
-            struct_size,
-            origin: realistic_vectors::columns([ox, oy, oz]),
-            direction: realistic_vectors::columns([dx, dy, dz]),
-            reason: reasons.as_mut_ptr(),
-            reason_stride: size_of::<realistic_reason>() as isize,
-        };
+        let arrays = lens_rays(&mut columns, &mut reasons);
         let [x, y, z] = coordinates.each_mut().map(|column| column.as_mut_ptr());
         let struct_size = size_of::<realistic_lens_points>() as u32;
         let points = realistic_lens_points {

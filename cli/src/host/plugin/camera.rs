@@ -158,11 +158,7 @@ pub fn request_of(Rays { samples, rays, weights }: Rays<'_>) -> realistic_reques
         let (y, z) = (x.wrapping_add(1), x.wrapping_add(2));
         realistic_output { x, y, z, stride: size_of::<realistic_ray>() as isize }
     };
-    let weight = realistic_output {
-        x: weights.as_mut_ptr(),
-        stride: size_of::<f32>() as isize,
-        ..realistic_output::NONE
-    };
+    let weight = realistic_output::columns([weights.as_mut_ptr()]);
     realistic_request {
         image: input(0),
         lens: input(2),

@@ -7,7 +7,6 @@ use realistic::ffi::{
     realistic_aimed, realistic_camera, realistic_importance, realistic_input, realistic_output,
     realistic_scene_points,
 };
-use std::ptr::{null, null_mut};
 
 /// Points of a scene, in the camera's units, each with a lens sample (u, v) and a time.
 #[derive(Default)]
@@ -98,20 +97,19 @@ pub unsafe fn connect(
     let points = realistic_scene_points {
         struct_size,
         point: realistic_input::columns([x, y, z]),
-        lens: realistic_input::columns([u, v, null()]),
-        time: realistic_input::columns([time, null(), null()]),
+        lens: realistic_input::columns([u, v]),
+        time: realistic_input::columns([time]),
     };
-    let numbers = |first| realistic_output::columns([first, null_mut(), null_mut()]);
     let aimed = realistic_aimed {
         struct_size: size_of::<realistic_aimed>() as u32,
         origin: realistic_output::columns([ox, oy, oz]),
         direction: realistic_output::columns([dx, dy, dz]),
-        density: numbers(room(&mut found.density)),
+        density: realistic_output::columns([room(&mut found.density)]),
     };
     let importance = realistic_importance {
         struct_size: size_of::<realistic_importance>() as u32,
-        image: realistic_output::columns([image_x, image_y, null_mut()]),
-        importance: numbers(room(&mut found.importance)),
+        image: realistic_output::columns([image_x, image_y]),
+        importance: realistic_output::columns([room(&mut found.importance)]),
         density: realistic_output::NONE,
         area_density: realistic_output::NONE,
         solid_angle_density: realistic_output::NONE,
