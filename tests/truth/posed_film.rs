@@ -5,7 +5,6 @@ use std::f64::consts::PI;
 use ::realistic_camera::Camera;
 use realistic_optics::{
     imaging::{focus::Focus, plane_of_focus::FocusedFilm},
-    lens::first_order::FirstOrder,
     trace::{Path, Ray},
 };
 
@@ -158,11 +157,9 @@ fn a_plane_through_three_points_is_sharp_on_the_film_for_it() {
     let plain = camera(&[("lens_file", "dgauss.50mm"), ("fnumber", "8")]);
     let lens = &plain.facts().expect("a lens").lens;
     let focus = Focus::new(lens).expect("it focuses");
-    let first_order = FirstOrder::of(lens).expect("not afocal");
     // A table top lies 150 mm below the axis, from 700 mm to 1600 mm away.
     let points = [[-200.0, -150.0, 700.0], [250.0, -150.0, 900.0], [0.0, -150.0, 1600.0]];
-    let refused = FocusedFilm::on(&focus, &first_order, points);
-    let FocusedFilm { film_distance, tilt } = refused.expect("reachable");
+    let FocusedFilm { film_distance, tilt } = FocusedFilm::on(&focus, points).expect("reachable");
     let numbers = [film_distance, tilt[0], tilt[1]].map(|number| number.to_string());
     let posed = camera(&[
         ("lens_file", "dgauss.50mm"),

@@ -315,14 +315,14 @@ fn carry<S: Borrow<PathSurface<f64>>>(
     let mut light = Light::UNPOLARISED;
     let last = optics.count() - 1;
     let mut before: Option<usize> = None;
-    let ray = path.meetings_over(steps, ray, |met| {
+    let ray = path.meetings(steps, ray, |met| {
         let surface = from_scene(path, last, met.along);
         // The medium between two neighbouring surfaces is the one behind the surface nearer to the scene.
         if let Some(before) = before.replace(surface) {
             let medium = before.min(surface);
             let absorption = optics.absorption(medium);
             if absorption > 0.0 {
-                light.dim((-absorption * met.way).exp());
+                light.dim((-absorption * met.distance).exp());
             }
         }
         let cosine = (dot(met.v, met.normal) * met.n.recip()).min(1.0);

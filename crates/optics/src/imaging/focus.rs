@@ -218,6 +218,11 @@ impl Focus {
         Ok(Self { lens: lens.name.clone(), first_order, image, at_infinity })
     }
 
+    /// Returns the cardinal points of the lens.
+    pub fn first_order(&self) -> &FirstOrder {
+        &self.first_order
+    }
+
     /// Returns the film distance, mm behind the last vertex, that focuses the plane `distance` mm in front of the film
     /// (infinity included), by exact rays.
     ///

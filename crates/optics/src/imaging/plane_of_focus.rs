@@ -11,9 +11,11 @@
 
 use thiserror::Error;
 
-use super::focus::{Focus, FocusError};
-use crate::lens::first_order::FirstOrder;
-use realistic_base::{message::short, numeric::unit};
+use super::focus::Focus;
+use realistic_base::{
+    message::short,
+    numeric::{cross, dot, unit},
+};
 
 /// A film that is in focus on a plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,9 +29,6 @@ pub struct FocusedFilm {
 /// The reason why no film is in focus on a plane.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum PlaneError {
-    /// The lens cannot focus at all.
-    #[error(transparent)]
-    Focus(#[from] FocusError),
     /// A point is not a place in the scene.
     #[error("point {number} is not three finite numbers; give x, y and z in mm")]
     NotFinite {
@@ -71,9 +70,10 @@ impl FocusedFilm {
     /// toward the scene.
     ///
     /// # Errors
-    /// The lens does not focus, a point has no real image, the points define no plane, or the film would stand in the
+    /// A number is not finite, a point has no real image, the points define no plane, or the film would stand in the
     /// lens.
-    pub fn on(focus: &Focus, lens: &FirstOrder, points: [[f64; 3]; 3]) -> Result<Self, PlaneError> {
+    pub fn on(focus: &Focus, points: [[f64; 3]; 3]) -> Result<Self, PlaneError> {
+        let lens = focus.first_order();
         let mut images = [[0.0; 3]; 3];
         for (number, (image, point)) in (1..).zip(images.iter_mut().zip(points)) {
             if point.iter().any(|part| !part.is_finite()) {
@@ -95,7 +95,7 @@ impl FocusedFilm {
         }
         let [nx, ny, nz] = normal;
         let centre = images[0][2] + (nx * images[0][0] + ny * images[0][1]) / nz;
-        let film_distance = lens.rear_vertex - centre + correction(focus, lens, centre);
+        let film_distance = lens.rear_vertex - centre + correction(focus, centre);
         if film_distance <= 0.0 {
             return Err(PlaneError::InLens { film_distance });
         }
@@ -106,7 +106,8 @@ impl FocusedFilm {
 /// Returns the distance from the first-order image on the axis at z = `image` to the best image of exact rays, mm,
 /// positive away from the lens. If the object of that image does not lie in front of the lens, the distance is that for
 /// an object at infinity.
-fn correction(focus: &Focus, lens: &FirstOrder, image: f64) -> f64 {
+fn correction(focus: &Focus, image: f64) -> f64 {
+    let lens = focus.first_order();
     let behind = lens.rear_vertex - image;
     let distance = lens.object_distance(behind).unwrap_or(f64::INFINITY);
     let at = |distance| {
@@ -119,11 +120,9 @@ fn correction(focus: &Focus, lens: &FirstOrder, image: f64) -> f64 {
 /// Returns a vector of any length normal to a triangle. Returns `None` if two sides of the triangle are parallel: the
 /// sine of the angle between them is at most `least_sine`.
 fn normal([a, b, c]: [[f64; 3]; 3], least_sine: f64) -> Option<[f64; 3]> {
-    let side = |to: [f64; 3]| [0, 1, 2].map(|axis| to[axis] - a[axis]);
-    let ([ux, uy, uz], [vx, vy, vz]) = (side(b), side(c));
-    let normal = [uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx];
-    let length = |[x, y, z]: [f64; 3]| (x * x + y * y + z * z).sqrt();
-    (length(normal) > least_sine * length([ux, uy, uz]) * length([vx, vy, vz])).then_some(normal)
+    let [u, v] = [b, c].map(|to| [0, 1, 2].map(|axis| to[axis] - a[axis]));
+    let (normal, length) = (cross(u, v), |side: [f64; 3]| dot(side, side).sqrt());
+    (length(normal) > least_sine * length(u) * length(v)).then_some(normal)
 }
 
 #[cfg(test)]
@@ -132,15 +131,16 @@ mod tests {
     use crate::{lens::Lens, prescription::read};
 
     /// Returns a thin lens with a focal length of 50 mm and a small stop.
-    fn thin() -> (Focus, FirstOrder) {
+    fn thin() -> Focus {
         let text = "50 1e-9 1.5 20\n-50 0 0 20\n";
         let lens = Lens::at_d_line(&read("thin", text.as_bytes()).expect("a lens"));
-        (Focus::new(&lens).expect("it focuses"), FirstOrder::of(&lens).expect("not afocal"))
+        Focus::new(&lens).expect("it focuses")
     }
 
     #[test]
     fn the_planes_meet_in_scheimpflugs_line() {
-        let (focus, lens) = thin();
+        let focus = thin();
+        let lens = focus.first_order();
         assert!((lens.focal_length - 50.0).abs() < 1e-6);
         // A plane through the axis at s = 1000, tilted by b = 58.97 degrees.
         let s = 1000.0 + lens.front_principal_plane;
@@ -148,13 +148,13 @@ mod tests {
         let tan = 1000.0 / image * 5.0_f64.to_radians().tan();
         assert!((tan.atan().to_degrees() - 58.97).abs() < 0.005);
         let about_x = [[0.0, 100.0, s + 100.0 * tan], [0.0, -100.0, s - 100.0 * tan], [300.0, 0.0, s]];
-        let found = FocusedFilm::on(&focus, &lens, about_x).expect("reachable");
+        let found = FocusedFilm::on(&focus, about_x).expect("reachable");
         assert!((found.tilt[0].abs() - 5.0).abs() < 1e-6 && found.tilt[1].abs() < 1e-9, "{found:?}");
         let about_y = about_x.map(|[x, y, z]| [y, x, z]);
-        let found = FocusedFilm::on(&focus, &lens, about_y).expect("reachable");
+        let found = FocusedFilm::on(&focus, about_y).expect("reachable");
         assert!((found.tilt[1].abs() - 5.0).abs() < 1e-6 && found.tilt[0].abs() < 1e-9, "{found:?}");
         let across = [[0.0, 0.0, s], [10.0, 0.0, s], [0.0, 10.0, s]];
-        let found = FocusedFilm::on(&focus, &lens, across).expect("reachable");
+        let found = FocusedFilm::on(&focus, across).expect("reachable");
         let exact = focus.film_distance(s - lens.rear_vertex + found.film_distance).expect("reachable");
         assert!(found.tilt.iter().all(|tilt| tilt.abs() < 1e-9), "{found:?}");
         assert!((found.film_distance - exact).abs() < 1e-3, "{found:?} {exact}");
@@ -162,8 +162,8 @@ mod tests {
 
     #[test]
     fn planes_out_of_reach_are_refused_with_the_reason() {
-        let (focus, lens) = thin();
-        let refused = |points| FocusedFilm::on(&focus, &lens, points).expect_err("out of reach").to_string();
+        let focus = thin();
+        let refused = |points| FocusedFilm::on(&focus, points).expect_err("out of reach").to_string();
         let (far, near) = ([0.0, 0.0, 1000.0], [10.0, 0.0, 30.0]);
         assert!(refused([far, near, [0.0, 10.0, 500.0]]).contains("point 2 at z = 30 mm"));
         assert!(refused([far, [10.0, 0.0, 1000.0], [20.0, 0.0, 1000.0]]).contains("on a line"));

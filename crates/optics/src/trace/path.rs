@@ -91,7 +91,7 @@ pub struct Meeting {
     /// Unit normal at the point, pointing to the side ahead.
     pub normal: [f64; 3],
     /// Distance from the previous meeting, mm; 0 at the first.
-    pub way: f64,
+    pub distance: f64,
 }
 
 /// A description of one step of a path.
@@ -468,18 +468,13 @@ impl<R: Real> Path<R> {
     }
 
     /// Traces a ray as [`Path::trace`] does, and also reports each meeting of the ray with a surface, before the
-    /// surface refracts or reflects the ray. The reports are complete only for a ray that gets through.
+    /// surface refracts or reflects the ray. `steps` are the path's own or other steps through the same lens. The
+    /// reports are complete only for a ray that gets through.
     ///
     /// # Errors
     /// The reason why the ray is blocked.
     #[inline]
-    pub fn meetings(&self, ray: Ray, met: impl FnMut(Meeting)) -> Result<Ray, Blocked> {
-        self.meetings_over(&self.steps, ray, met)
-    }
-
-    /// Traces a ray as [`Path::meetings`] does, over other steps through the same lens.
-    #[inline]
-    pub fn meetings_over<S: Borrow<PathSurface<R>>>(
+    pub fn meetings<S: Borrow<PathSurface<R>>>(
         &self,
         steps: impl IntoIterator<Item = S>,
         ray: Ray,
@@ -506,7 +501,7 @@ impl<R: Real> Path<R> {
             last = Some([x, y, if step.is_mirror { -z } else { z }]);
             let PathSurface { along, n_behind, is_mirror, .. } = *step;
             let (n, v) = (step.n.to_f64(), state.v.map(R::to_f64));
-            met(Meeting { along, n, n_behind, is_mirror, point: [x, y], v, normal, way: distance });
+            met(Meeting { along, n, n_behind, is_mirror, point: [x, y], v, normal, distance });
         });
         if let Some(reason) = blocked {
             return Err(reason);
