@@ -7,7 +7,8 @@ use crate::console::{note, warn};
 use crate::failure::Failure;
 use clap::{ArgMatches, Command};
 use realistic_camera::{
-    Host, Level, PARAMETERS, Parameters, Raster, blades, coatings, film_distance, group_reach, open_lens,
+    Exposure, Host, Level, PARAMETERS, Parameters, Raster, blades, coatings, film_distance, film_surface,
+    group_reach, open_lens,
 };
 use realistic_optics::imaging::{focus::Conjugates, open::StopSize};
 use realistic_optics::lens::Lens;
@@ -253,11 +254,10 @@ impl LensChoice {
 
     /// Finds the lens and accepts the parameters of the exposure, too.
     ///
+    /// # Errors
     /// As for [`open_lens`].
-    /// As [`open_lens`].
     pub fn open_with_exposure(&self) -> Result<OpenedLens, Failure> {
-        let of_exposure = ["iso", "exposure_time", "exposure", "responsivity"];
-        self.open_with(&[&LENS_PARAMETERS[..], &of_exposure].concat())
+        self.open_with(&[&LENS_PARAMETERS[..], &Exposure::PARAMETERS].concat())
     }
 
     /// Finds the lens as its file describes it, without any other setting.
@@ -274,14 +274,19 @@ impl LensChoice {
         let places_film = used.contains(&"film_distance");
         let lens_file = self.0.with_a_lens()?.lens_file;
         let mut parameters = Parameters { lens_file, ..Parameters::default() };
+        let mut posed = Parameters::default();
         for (name, value) in self.0.given() {
             if used.contains(&name) {
                 parameters.set_from_text(name, value)?;
-            } else if places_film && POSED_FILM.contains(&name) && value.parse() != Ok(0.0) {
-                return Err(Failure::Usage(format!(
-                    "this command has flat film, centred on the axis: leave out \"{name}\", or use `realistic render` or \
-                     `realistic plan`"
-                )));
+            } else if places_film && POSED_FILM.contains(&name) {
+                posed.set_from_text(name, value)?;
+                let film = film_surface(&posed)?;
+                if !film.is_across() || film.shift() != [0.0; 2] {
+                    return Err(Failure::Usage(format!(
+                        "this command has flat film, centred on the axis: leave out \"{name}\", or use `realistic \
+                         render` or `realistic plan`"
+                    )));
+                }
             } else {
                 warn(&format!("\"{name}\" changes nothing here; leave it out"));
             }

@@ -81,19 +81,23 @@ pub fn warn_of_darkness(
 /// Warns if light, which reaches `lit` mm from the axis, covers less than half of the film. The covered
 /// fraction is measured at the film points of samples spread uniformly over the picture.
 fn warn_of_dark_film(film: &Film, lit: f64, sample: impl Fn(usize) -> Sample, log: Log<'_>) {
-    let corner = film.corner();
     let is_lit = |number: &usize| {
         let Sample { image_x, image_y, .. } = sample(*number);
         let [x, y] = film.point(image_x.into(), image_y.into());
         x.hypot(y) <= lit
     };
     if 2 * (0..REPORTED).filter(is_lit).count() < REPORTED {
+        let diagonal = film.diagonal_within(lit);
+        let advice = if diagonal > 0.0 {
+            format!("\"film_diagonal\" {} mm or less", short(diagonal))
+        } else {
+            "smaller \"film_shift_x\" and \"film_shift_y\"".to_owned()
+        };
         let text = format!(
             "most of the film is dark: light reaches it up to {} mm from the axis, and its corners lie {} mm away; for a \
-             picture without a black border give \"film_diagonal\" {} mm or less",
+             picture without a black border give {advice}",
             short(lit),
-            short(corner),
-            short(2.0 * lit - 2.0 * (corner - 0.5 * film.diagonal()))
+            short(film.corner())
         );
         log(Level::Warning, &text);
     }

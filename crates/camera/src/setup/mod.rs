@@ -20,5 +20,5 @@ pub(crate) use darkness::warn_of_darkness;
 pub use facts::Facts;
 pub(crate) use focusing::Focusing;
 pub(crate) use prescribed::Setup;
-pub use prescribed::{blades, coatings, film_distance, group_reach, open_lens};
+pub use prescribed::{blades, coatings, film_distance, film_surface, group_reach, open_lens};
 pub(crate) use shared::SharedLens;

@@ -13,7 +13,9 @@ use super::{
 use crate::{
     film::Film,
     host::Host,
-    parameters::{CameraError, FocusBy, ParameterError, Parameters, Pupil, Transmission, Units, Weighting},
+    parameters::{
+        CameraError, Exposure, FocusBy, ParameterError, Parameters, Pupil, Transmission, Units, Weighting,
+    },
     placement::Placement,
     plan::Precision,
     sampling::{DiskMapping, FilmSurface},
@@ -177,14 +179,35 @@ pub fn coatings(
 /// The image has no pixels, a number is out of range, or the film reaches beyond the sphere along which it is
 /// curved.
 fn film(given: &Parameters, host: &Host) -> Result<Film, CameraError> {
-    let shift = [given.film_shift_x()?, given.film_shift_y()?];
-    let tilt = [given.film_tilt_x()?, given.film_tilt_y()?];
-    let radius = given.film_curvature_radius()?.unwrap_or(f64::INFINITY);
-    let film = Film::new(raster(host)?, given.film_diagonal()?).on(FilmSurface::new(shift, tilt, radius));
-    if radius == 0.0 || film.depth()[0].is_nan() {
-        return Err(CameraError::FilmCurvature { radius, corner: 0.5 * film.diagonal() });
+    let film = Film::new(raster(host)?, given.film_diagonal()?).on(film_surface(given)?);
+    if film.depth()[0].is_nan() {
+        return Err(curved_too_much(given)?);
     }
     Ok(film)
+}
+
+/// Returns the surface of the film: its shift, its tilt and its curvature.
+///
+/// # Errors
+/// A number is out of range, or the radius of the curvature is 0.
+pub fn film_surface(given: &Parameters) -> Result<FilmSurface, CameraError> {
+    let shift = [given.film_shift_x()?, given.film_shift_y()?];
+    let tilt = [given.film_tilt_x()?, given.film_tilt_y()?];
+    let radius = curvature_radius(given)?;
+    if radius == 0.0 {
+        return Err(curved_too_much(given)?);
+    }
+    Ok(FilmSurface::new(shift, tilt, radius))
+}
+
+/// Returns the radius of the film's curvature in mm, infinite for a flat film.
+fn curvature_radius(given: &Parameters) -> Result<f64, CameraError> {
+    Ok(given.film_curvature_radius()?.unwrap_or(f64::INFINITY))
+}
+
+/// Returns the error for a film that reaches beyond the sphere along which it is curved.
+fn curved_too_much(given: &Parameters) -> Result<CameraError, CameraError> {
+    Ok(CameraError::FilmCurvature { radius: curvature_radius(given)?, corner: 0.5 * given.film_diagonal()? })
 }
 
 /// Returns the factor of radiometric weights that turns them into an exposure as defined by OpenUSD's
@@ -194,11 +217,7 @@ fn film(given: &Parameters, host: &Host) -> Result<Film, CameraError> {
 /// # Errors
 /// A number is out of range, or weights are not radiometric.
 fn exposure(given: &Parameters) -> Result<f64, CameraError> {
-    let [iso, time, stops, responsivity] =
-        [given.iso()?, given.exposure_time()?, given.exposure()?, given.responsivity()?];
-    let names = ["iso", "exposure_time", "exposure", "responsivity"];
-    let numbers = [iso, time, stops, responsivity];
-    let Some(name) = names.into_iter().zip(numbers).find_map(|(name, number)| number.map(|_| name)) else {
+    let (Some(name), Some(exposure)) = (Exposure::given(given), Exposure::of(given)?) else {
         return Ok(1.0);
     };
     let weighting = given.weighting()?;
@@ -207,8 +226,8 @@ fn exposure(given: &Parameters) -> Result<f64, CameraError> {
     }
     // The T-number is sqrt(π/(4 E)), where E is the irradiance on the axis, so 1/T² is 4/π times the mean
     // weight.
-    let linear = iso.unwrap_or(100.0) / 100.0 * time.unwrap_or(1.0) * responsivity.unwrap_or(1.0);
-    Ok(4.0 / std::f64::consts::PI * linear * stops.unwrap_or(0.0).exp2())
+    let Exposure { iso, time, stops, responsivity } = exposure;
+    Ok(4.0 / std::f64::consts::PI * (iso / 100.0 * time * responsivity) * stops.exp2())
 }
 
 /// Returns the share of the samples that follow paths with two reflections.
