@@ -3,14 +3,14 @@
 use crate::arguments::{LensChoice, OpenedLens, size};
 use crate::console;
 use crate::export::{
-    ChiefField, Errors, Exposure, FieldError, Film, Fitted, Focus, Illumination, LensData, Map, Model,
+    ChiefField, Errors, FieldError, Film, Fitted, Focus, Illumination, LensData, LensExposure, Map, Model,
     Quantity, Report, Spot, ftheta_usda, opencv_yaml, opentrackio_json, rays, spots, st_maps, usda,
 };
 use crate::failure::Failure;
 use crate::files;
 use crate::image::check_memory;
 use realistic_base::message::short;
-use realistic_camera::{Parameters, sampling::PupilDisk};
+use realistic_camera::{Exposure, Parameters, sampling::PupilDisk};
 use realistic_light::{Surfaces, TStop};
 use realistic_optics::{
     imaging::{axial_beam::AxialBeam, irradiance::on_axis},
@@ -105,26 +105,18 @@ impl ExportFormat {
 /// Returns the exposure, if one of its parameters is given.
 ///
 /// # Errors
-/// The middle of the film is dark.
-fn exposure(given: &Parameters, lens: &Lens, film: Film) -> Result<Option<Exposure>, Failure> {
-    let numbers = [given.iso, given.exposure_time, given.exposure, given.responsivity];
-    if numbers.iter().all(Option::is_none) {
+/// A number is out of range, or the middle of the film is dark.
+fn exposure(given: &Parameters, lens: &Lens, film: Film) -> Result<Option<LensExposure>, Failure> {
+    let Some(exposure) = Exposure::of(given)? else {
         return Ok(None);
-    }
+    };
     let rear = PupilDisk::rear(lens, film.z, 0.0);
     let light =
         rear.map_or(0.0, |rear| on_axis(&LightPath::<f64>::film_to_scene(lens), film.z, rear.slope_radius()));
     if !(light > 0.0) {
-        return Err(Failure::Other(format!("the middle of the film of lens \"{}\" is dark", lens.name)));
+        return Err(FieldError::Dark(lens.name.clone()).into());
     }
-    let [iso, time, stops, responsivity] = numbers;
-    Ok(Some(Exposure {
-        iso: iso.unwrap_or(100.0),
-        time: time.unwrap_or(1.0),
-        stops: stops.unwrap_or(0.0),
-        responsivity: responsivity.unwrap_or(1.0),
-        fstop: (std::f64::consts::PI / (4.0 * light)).sqrt(),
-    }))
+    Ok(Some(LensExposure { exposure, fstop: (std::f64::consts::PI / (4.0 * light)).sqrt() }))
 }
 
 /// Number of points along the film's radius: [`RINGS`] for the export itself, [`COARSE`] for the lens at another

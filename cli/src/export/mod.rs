@@ -24,4 +24,4 @@ pub use map::{Map, rays, st_maps};
 pub use model::{Fitted, Model};
 pub use report::{Errors, Focus, Report};
 pub use spot::{Spot, spots};
-pub use text::{Exposure, LensData, ftheta_usda, opencv_yaml, opentrackio_json, usda};
+pub use text::{LensData, LensExposure, ftheta_usda, opencv_yaml, opentrackio_json, usda};

@@ -3,6 +3,7 @@
 use super::field::ChiefField;
 use super::illumination::Illumination;
 use super::model::{Fitted, Model};
+use realistic_camera::Exposure;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
@@ -18,7 +19,7 @@ pub struct LensData<'a> {
     /// f-number over the square root of the transmission on the axis, if a coating is given.
     pub tnumber: Option<f64>,
     /// The exposure, if one is given.
-    pub exposure: Option<Exposure>,
+    pub exposure: Option<LensExposure>,
     /// Wavelength, nm.
     pub wavelength: f64,
     /// Distance from the last vertex to the film, mm.
@@ -27,18 +28,12 @@ pub struct LensData<'a> {
     pub mm_per_unit: f64,
 }
 
-/// Exposure of a camera, as `UsdGeomCamera` defines it: its linear scale is responsivity · time · iso / 100 ·
+/// Exposure of a camera with this lens, as `UsdGeomCamera` defines it: its linear scale is responsivity · time · iso / 100 ·
 /// 2^exposure / f-stop².
 #[derive(Clone, Copy, Debug)]
-pub struct Exposure {
-    /// Sensitivity.
-    pub iso: f64,
-    /// Exposure time, s.
-    pub time: f64,
-    /// Compensation, stops.
-    pub stops: f64,
-    /// Response to light.
-    pub responsivity: f64,
+pub struct LensExposure {
+    /// The exposure as requested.
+    pub exposure: Exposure,
     /// f-number of a lossless lens that lights the middle of the film as much as this lens does at this focus.
     pub fstop: f64,
 }
@@ -151,7 +146,8 @@ pub fn usda(
     worst: f64,
 ) -> String {
     let mut text = camera(lens, rays);
-    if let Some(Exposure { iso, time, stops, responsivity, fstop }) = lens.exposure {
+    if let Some(LensExposure { exposure, fstop }) = lens.exposure {
+        let Exposure { iso, time, stops, responsivity } = exposure;
         let _ = writeln!(
             text,
             "    float exposure = {stops}\n    float exposure:iso = {iso}\n    float exposure:time = {time}\n    \

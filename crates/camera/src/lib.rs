@@ -65,8 +65,8 @@ pub use importance::block as importance_block;
 pub use importance::{AdjointCamera, Aimed, Importance, ImportanceError, ScenePoint};
 pub use model::Model;
 pub use parameters::{
-    CameraError, FocusBy, Interval, Kind, LensPlane, PARAMETERS, Parameter, ParameterError, Parameters,
-    Pupil, Range, Transmission, UnknownName, Value, Weighting, Zoom,
+    CameraError, Exposure, FocusBy, Interval, Kind, LensPlane, PARAMETERS, Parameter, ParameterError,
+    Parameters, Pupil, Range, Transmission, UnknownName, Value, Weighting, Zoom,
 };
 pub use placement::{
     motion::{CameraMotion, Moving},
@@ -75,4 +75,4 @@ pub use placement::{
 };
 pub use rays::{Outcome, RayDifferential, Rays, WorldRay};
 pub use samples::{Sample, Samples};
-pub use setup::{Crop, Facts, blades, coatings, film_distance, group_reach, open_lens};
+pub use setup::{Crop, Facts, blades, coatings, film_distance, film_surface, group_reach, open_lens};

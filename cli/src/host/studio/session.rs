@@ -18,7 +18,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use rayon::ThreadPool;
 use realistic_base::message::{as_given, short};
 use realistic_camera::{
-    CameraError, Model, Parameters, Raster, Weighting, autofocus::Rule, film_distance, open_lens,
+    CameraError, Exposure, Model, Parameters, Raster, Weighting, autofocus::Rule, film_distance, open_lens,
 };
 use realistic_lab::render::{Rays, Tally};
 use std::path::PathBuf;
@@ -41,8 +41,8 @@ pub struct Options {
     threads: Option<u16>,
     /// Exposure compensation of a .png in stops
     ///
-    /// 0 shows a white card on the axis as white, or radiance 1 with --iso, --exposure-time, --exposure or --responsivity. At
-    /// dusk it also changes which pixels get more samples.
+    /// 0 shows a white card on the axis as white, or radiance 1 with --iso, --exposure-time, --exposure or
+    /// --responsivity. At dusk it also changes which pixels get more samples.
     #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_hyphen_values = true, value_parser = finite)]
     compensation: f32,
     /// The plugin to load
@@ -401,10 +401,9 @@ pub fn whole_only(parameters: &Parameters) -> Result<(), Failure> {
     }
 }
 
-/// Returns the film's irradiance for a scene of radiance 1.
+/// Returns the film's irradiance for a scene of radiance 1; 1 for a film that is exposed by its parameters.
 fn white_level(camera: &Camera, parameters: &Parameters, size: [u32; 2]) -> Result<f32, Failure> {
-    let Parameters { iso, exposure_time, exposure, responsivity, .. } = parameters;
-    if [iso, exposure_time, exposure, responsivity].into_iter().any(Option::is_some) {
+    if Exposure::given(parameters).is_some() {
         return Ok(1.0);
     }
     let info = camera.info()?;

@@ -5,6 +5,7 @@
 //! and help. Decisions that depend on two or more parameters are left to the set-up.
 
 mod error;
+mod exposure;
 mod named;
 mod range;
 mod table;
@@ -13,6 +14,7 @@ mod value;
 mod zoom;
 
 pub use error::{CameraError, ParameterError, UnknownName};
+pub use exposure::Exposure;
 pub use named::{FocusBy, LensPlane, Pupil, Transmission, Weighting};
 pub use range::{Interval, Range};
 pub(crate) use table::RequestedPrecision;
