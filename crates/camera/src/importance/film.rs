@@ -13,9 +13,8 @@ pub struct ImportanceFilm {
     weight: Option<f64>,
     /// Width and height, mm.
     size: [f64; 2],
-    /// x and y of the film's centre, mm; 0 for film that is tilted or curved, because its points have their
-    /// own coordinates.
-    shift: [f64; 2],
+    /// x and y of the film's centre in the sampler's coordinates, mm.
+    center: [f64; 2],
     simd: Available,
 }
 
@@ -23,10 +22,9 @@ impl ImportanceFilm {
     /// Returns the film of a camera body.
     pub fn new(body: &CameraBody) -> Self {
         let film = &body.film_side.film;
-        let size = film.middle().map(|middle| 2.0 * middle * film.pixel());
-        let shift = if film.surface().is_across() { film.surface().shift() } else { [0.0; 2] };
+        let (size, center) = (film.half_size().map(|half| 2.0 * half), film.sampled_center());
         let (side, weight, simd) = (body.film_side.clone(), body.weight, Available::best());
-        Self { side, weight, size, shift, simd }
+        Self { side, weight, size, center, simd }
     }
 
     /// Returns z of the film, mm.
@@ -100,13 +98,13 @@ impl Arrivals<'_> {
         arrived: &FilmRays<L>,
         flat_per_area: L,
     ) {
-        let (ImportanceFilm { side, weight, size, shift, .. }, rays) = (self.film, &mut self.rays);
+        let (ImportanceFilm { side, weight, size, center, .. }, rays) = (self.film, &mut self.rays);
         let number = |number: f64| L::splat(cpu, number);
         let (zero, one) = (number(0.0), number(1.0));
         let FilmRays { point, slopes, area_per_pi, .. } = *arrived;
         let per_cos2 = slopes[1].mul_add(slopes[1], slopes[0].mul_add(slopes[0], one));
         let patch = number(std::f64::consts::PI) * area_per_pi / (per_cos2 * per_cos2);
-        let centred = [point[0] - number(shift[0]), point[1] - number(shift[1])];
+        let centred = [point[0] - number(center[0]), point[1] - number(center[1])];
         let (raster, is_on_film) = side.film.raster_of(cpu, centred);
         let left = L::load(cpu, &rays.weight[at..]);
         let passes = L::both(is_on_film, zero.less(left));

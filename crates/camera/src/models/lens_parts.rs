@@ -265,7 +265,7 @@ const NARROW: f64 = 1e-3;
 /// samples that still pass.
 fn report_given_up(pupil: &WarpedPupil, film: &Film, log: Log<'_>) {
     let lit_radius = pupil.image_radius().unwrap_or(film.reach());
-    let corner = film.diagonal() / 2.0;
+    let corner = film.corner();
     for &GivenUp { radii: [from, to], reason, acceptance } in pupil.given_up() {
         let (what, why) = match reason {
             MapFailure::LightBeside => {
@@ -280,13 +280,11 @@ fn report_given_up(pupil: &WarpedPupil, film: &Film, log: Log<'_>) {
         } else {
             "of its samples none of those tried got through: the film is dark there, or speckled".to_owned()
         };
+        let diagonal = film.diagonal_within(from);
         let advice = match acceptance > 0.0 {
-            false if from > 0.0 => format!("\"film_diagonal\" up to {:.2} avoids it", 2.0 * from),
-            true if from > 0.0 => {
-                format!(
-                    "more samples per pixel there, or \"film_diagonal\" up to {:.2}, avoid it",
-                    2.0 * from
-                )
+            false if diagonal > 0.0 => format!("\"film_diagonal\" up to {diagonal:.2} avoids it"),
+            true if diagonal > 0.0 => {
+                format!("more samples per pixel there, or \"film_diagonal\" up to {diagonal:.2}, avoid it")
             }
             _ => "more samples per pixel make up for it".to_owned(),
         };
@@ -338,7 +336,7 @@ fn warn_of_missed_share(
         let survey = survey(path, film_z, point, cover, disk.seen_from(point), SURVEY_RAYS);
         if survey.irradiance > 0.0 { 1.0 - survey.inside / survey.irradiance } else { 0.0 }
     };
-    let corner = film.diagonal() / 2.0;
+    let corner = film.corner();
     let [axis, middle, edge] = [0.0, 0.5, 1.0].map(|field| missed(field * corner));
     if axis.max(middle).max(edge) > MISSED_SHARE {
         log(

@@ -69,11 +69,7 @@ impl<S: KernelScalar> FilmSampling<S> {
             PupilSampler::Warped(pupil) => LanePupilSampler::Warped(pupil.clone(), pupil.lane_pupil()),
             PupilSampler::Posed(pupil) => LanePupilSampler::Posed(pupil.clone(), pupil.constants()),
         };
-        let [right, up] = match sampler {
-            PupilSampler::Posed(_) => [0.0; 2],
-            PupilSampler::Disk(_) | PupilSampler::Warped(_) => film.surface().shift(),
-        };
-        let [x, y] = film.half_size();
+        let ([x, y], [right, up]) = (film.half_size(), film.sampled_center());
         Self {
             axis: [x + right, y - up].map(S::from_f64),
             pixel: S::from_f64(film.pixel()),
@@ -166,7 +162,8 @@ impl<S: KernelScalar> FilmSampling<S> {
     }
 }
 
-/// Film rays that start on tilted or curved film, packed so that [`Lanes::apart`] can sample them in a separate function.
+/// Film rays that start on tilted or curved film, packed so that [`Lanes::apart`] can sample them in a
+/// separate function.
 struct PosedRays<'a, L: Lanes, const U: usize> {
     cpu: Cpu<L>,
     pupil: &'a PosedPupil,

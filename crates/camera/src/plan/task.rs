@@ -80,8 +80,7 @@ impl FilmSide {
     /// centre perpendicular to the axis, mm, and the ray's pupil sample; `None` if there is no such sample.
     pub fn sample(&self, [x, y, u, v]: [f64; 4]) -> Option<([f64; 2], PupilSample)> {
         let half = self.film.half_size();
-        let [right, up] =
-            if self.film.surface().is_across() { self.film.surface().shift() } else { [0.0; 2] };
+        let [right, up] = self.film.sampled_center();
         let point = [(1.0 - 2.0 * x) * half[0] + right, (1.0 - 2.0 * y) * -half[1] + up];
         self.sampler.sample(point, self.mapping.map(u, v)?)
     }

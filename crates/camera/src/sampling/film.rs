@@ -62,6 +62,13 @@ impl Film {
         [(x - image_x) * self.pixel + right, (image_y - y) * self.pixel + up]
     }
 
+    /// Returns x and y, mm, of the film's centre in the coordinates in which a sampler takes film points:
+    /// coordinates in space for film perpendicular to the axis, coordinates on the flat film, whose centre is
+    /// 0, for other film.
+    pub fn sampled_center(&self) -> [f64; 2] {
+        if self.surface.is_across() { self.surface.shift() } else { [0.0; 2] }
+    }
+
     /// Returns half the width and half the height of the picture, mm.
     pub fn half_size(&self) -> [f64; 2] {
         self.middle().map(|middle| middle * self.pixel)
@@ -96,6 +103,13 @@ impl Film {
     pub fn corner(&self) -> f64 {
         let [right, up] = self.surface.shift();
         self.diagonal / 2.0 + right.hypot(up)
+    }
+
+    /// Returns the diagonal, mm, with which the picture's farthest corner would lie `radius` mm from the axis.
+    /// It is not positive if the film's centre lies that far from the axis or farther.
+    pub fn diagonal_within(&self, radius: f64) -> f64 {
+        let [right, up] = self.surface.shift();
+        2.0 * (radius - right.hypot(up))
     }
 
     /// Returns the rectangle of the flat film within which a host requests rays: a corner, mm from the film's

@@ -23,6 +23,15 @@ impl<L: Lanes> FilmRays<L> {
         let [x, y] = self.point;
         y.mul_add(y, x * x)
     }
+
+    /// Replaces the slopes and areas of the rays that are not in `kept`.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn replace(&mut self, kept: L::Mask, (slopes, area_per_pi): ([L; 2], L)) {
+        for (own, slope) in self.slopes.iter_mut().zip(slopes) {
+            *own = L::select(kept, *own, slope);
+        }
+        self.area_per_pi = L::select(kept, self.area_per_pi, area_per_pi);
+    }
 }
 
 impl<S: Scalar> FilmRays<Portable<S, 1>> {

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 
 use super::{
     film_rays::FilmRays,
-    film_surface::{FilmMeeting, FilmPoint, FilmSurface, SurfaceConstants},
+    film_surface::{FilmMeeting, FilmSurface, SurfaceConstants},
     pupil_disk::{LaneDisk, PupilDisk, PupilSample},
     pupil_map::{MapConstants, RectanglePupil},
 };
@@ -100,7 +100,9 @@ impl PosedPupil {
             for u in 0..U {
                 (rays[u].slopes, rays[u].area_per_pi) = table.at(cpu, &locations[u], rays[u].disk);
                 if !L::all(locations[u].inside) {
-                    constants.aim_at_disk(cpu, &points[u], locations[u].inside, &mut rays[u]);
+                    let (at, disk) = (&points[u], rays[u].disk);
+                    let aimed = constants.disk.lanes_ahead(cpu, at.point, at.ahead, disk);
+                    rays[u].replace(locations[u].inside, aimed);
                 }
             }
         } else {
@@ -163,24 +165,6 @@ impl PosedPupil {
         Simd::best().run(OneSample { pupil: self, rays: &mut rays });
         let FilmRays { point, slopes, area_per_pi, .. } = rays[0].widened();
         (!area_per_pi.is_nan()).then_some((point, PupilSample { slopes, area: PI * area_per_pi }))
-    }
-}
-
-impl<S: Scalar> LanePosed<S> {
-    /// Aims rays from points outside the table at the disk.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn aim_at_disk<L: Lanes<Scalar = S>>(
-        &self,
-        cpu: Cpu<L>,
-        at: &FilmPoint<L>,
-        inside: L::Mask,
-        ray: &mut FilmRays<L>,
-    ) {
-        let (slopes, area) = self.disk.lanes_ahead(cpu, at.point, at.ahead, ray.disk);
-        for (to, slope) in ray.slopes.iter_mut().zip(slopes) {
-            *to = L::select(inside, *to, slope);
-        }
-        ray.area_per_pi = L::select(inside, ray.area_per_pi, area);
     }
 }
 

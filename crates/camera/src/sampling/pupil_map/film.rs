@@ -231,11 +231,7 @@ pub(super) fn aim<L: Lanes>(
         ray.area_per_pi = L::select(location.inside, area, L::splat(cpu, L::Scalar::from_f64(f64::NAN)));
         return;
     }
-    let (slopes, area) = constants.cover.lanes(cpu, ray.point, ray.disk);
-    for (to, slope) in ray.slopes.iter_mut().zip(slopes) {
-        *to = L::select(location.inside, *to, slope);
-    }
-    ray.area_per_pi = L::select(location.inside, ray.area_per_pi, area);
+    ray.replace(location.inside, constants.cover.lanes(cpu, ray.point, ray.disk));
 }
 
 /// Computes one sample with the processor's own fused multiply-add instructions.

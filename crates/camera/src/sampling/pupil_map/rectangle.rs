@@ -48,7 +48,8 @@ impl Family for Rectangle {
     }
 
     fn intervals(&self) -> [usize; 2] {
-        // Half as many as over film radii: the table stays in a second-level cache, and is built in a quarter of the time.
+        // Half as many as over film radii: the table stays in a second-level cache, and is built in a quarter
+        // of the time.
         [(self.side.intervals() / 2).max(LEAST_INTERVALS); 2]
     }
 }
@@ -109,14 +110,15 @@ impl RectanglePupil {
         GridLocation { inside, ..location }
     }
 
-    /// Returns the slopes at located points of the film, of points of the unit disk, and the area per sample over π.
+    /// Returns the slopes that correspond to points of the unit disk, at located points of the film, and the
+    /// area per sample divided by π.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn at<L: Lanes>(&self, cpu: Cpu<L>, location: &GridLocation<L>, disk: [L; 2]) -> ([L; 2], L) {
         self.map.at(cpu, location, disk)
     }
 
-    /// Returns the areas per sample, over π, of rays with slopes from located points of the film; NaN outside the
-    /// pupil.
+    /// Returns the areas per sample, divided by π, of rays with these slopes from located points of the film;
+    /// NaN outside the pupil.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(crate) fn areas<L: Lanes, const U: usize>(
         &self,
