@@ -1,5 +1,6 @@
 //! OSL text of a lens's transmission: Fresnel's equations and thin films by the transfer matrix, the change of
 //! polarisation from surface to surface, and the absorption of the glass between them.
+//!
 //! The method is that of the library (`docs/light.md`), without a fit. The trace has n cos θ on both sides of a
 //! surface, which is all that the matrix needs from a ray. Each stack becomes one function of the shader, and so does
 //! a surface's effect on the Stokes vector; each surface in the trace calls the function of its stack. The absorption

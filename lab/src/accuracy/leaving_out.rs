@@ -33,7 +33,7 @@ pub struct Saving {
     /// The kind of call.
     pub entry: Entry,
     /// The precision or the tolerance requested.
-    pub asked: Asked,
+    pub request: Asked,
     /// The model and the precision with which the camera traces.
     pub tracing: Tracing,
     /// The plan's estimate of the 99.9 % quantile of the error, an upper bound, pixels; `None` if single precision was
@@ -140,7 +140,7 @@ pub fn measure(lens: &str, effort: Effort) -> Result<Vec<Saving>, CameraError> {
                     lens: lens.to_owned(),
                     stopped_down,
                     entry,
-                    asked: request,
+                    request,
                     tracing,
                     pixels,
                     kept: times[first],
@@ -172,7 +172,7 @@ pub fn table(results: &[Saving]) -> Table {
                    build_ms build_kept_ms";
     let rows = results.iter().map(|saving| {
         let names =
-            [saving.stop(), saving.entry.to_string(), saving.asked.to_string(), saving.tracing.to_string()];
+            [saving.stop(), saving.entry.to_string(), saving.request.to_string(), saving.tracing.to_string()];
         let mut cells = row![saving.lens.as_str()];
         cells.extend(names.iter().map(|name| name.as_str().into()));
         cells.push(saving.pixels.map_or_else(|| "not stated".into(), Into::into));
@@ -198,7 +198,7 @@ mod tests {
             let [low, median, high] = saving.share();
             assert!(low <= median && median <= high && high < 1.0, "{saving:?}");
             assert!(saving.again.median > 0.0 && saving.build.iter().all(|&time| time > 0.0));
-            match saving.asked {
+            match saving.request {
                 Asked::Tolerance(pixels) => {
                     assert!(saving.pixels.is_some_and(|error| error <= pixels), "{saving:?}")
                 }
@@ -218,7 +218,7 @@ mod tests {
         let plan = camera.plan();
         let (candidate, _) = plan.choice().expect("a tolerance").chosen(Entry::One);
         let own = savings.iter().find(|saving| {
-            saving.stopped_down && saving.entry == Entry::One && saving.asked == Asked::Tolerance(1.0)
+            saving.stopped_down && saving.entry == Entry::One && saving.request == Asked::Tolerance(1.0)
         });
         assert_eq!(own.expect("measured").tracing, candidate.tracing);
     }

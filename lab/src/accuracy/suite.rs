@@ -203,7 +203,7 @@ impl Results {
         let ratio = |a: f64, b: f64| (a / b).max(b / a);
         let rays = self.ray_map.iter().chain(&self.stopped_down);
         let rays = rays.map(|m| ratio(m.time.median, m.again.median));
-        let cameras = self.leaving_out.iter().filter(|saving| matches!(saving.asked, Asked::Precision(_)));
+        let cameras = self.leaving_out.iter().filter(|saving| matches!(saving.request, Asked::Precision(_)));
         let cameras = cameras.map(|saving| ratio(saving.kept.median, saving.again.median));
         let apart = |first: &[Curve], again: &[Curve], needs: &[f64]| {
             let first = |curve: &Curve| first.iter().find(|first| first.is_like(curve));

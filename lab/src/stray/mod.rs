@@ -3,9 +3,9 @@
 //!
 //! This trace shares nothing with the library but the surfaces' data: rays are vectors, each photon carries its
 //! electric field as a three-dimensional vector, and a surface's amplitude coefficients follow Airy's sum. It
-//! includes all orders of reflection, and so
-//! measures the light that the library leaves out by stopping at two reflections. Aspheres are intersected by Newton's
-//! method from the vertex plane. Interference occurs between the two faces of a coating but not between surfaces.
+//! includes all orders of reflection, and so measures the light that the library leaves out by stopping at two
+//! reflections. Aspheres are intersected by Newton's method from the vertex plane. Interference occurs between the two
+//! faces of a coating but not between surfaces.
 
 mod complex;
 mod surface;

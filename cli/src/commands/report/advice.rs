@@ -47,7 +47,7 @@ pub fn what_to_use_when(results: &Results) -> Option<String> {
 fn gains(results: &Results, entry: Entry, tolerance: f64) -> String {
     let own = || {
         let own = results.leaving_out.iter();
-        own.filter(|saving| saving.entry == entry && saving.asked == Asked::Tolerance(tolerance))
+        own.filter(|saving| saving.entry == entry && saving.request == Asked::Tolerance(tolerance))
     };
     let gains: Vec<f64> = own().filter_map(|saving| saved(results, saving)).collect();
     let (low, high) = gains.iter().fold((1.0_f64, 0.0_f64), |(l, h), &x| (l.min(x), h.max(x)));
@@ -92,7 +92,7 @@ pub fn advice(results: &Results, suite: &Suite) -> Vec<String> {
 /// Reports the cases in which a tolerance chose a model that leaves out surfaces, because it was then worth it.
 fn models(results: &Results) -> Option<String> {
     let of = |entry: Entry, tolerance: f64| {
-        let own = |saving: &&Saving| saving.entry == entry && saving.asked == Asked::Tolerance(tolerance);
+        let own = |saving: &&Saving| saving.entry == entry && saving.request == Asked::Tolerance(tolerance);
         let all: Vec<&Saving> = results.leaving_out.iter().filter(own).collect();
         let is_model = |saving: &&&Saving| matches!(saving.tracing, Tracing::Polynomials { .. });
         let chosen = all.iter().filter(is_model);

@@ -199,7 +199,7 @@ fn polynomials(results: &Results, lens: &str) -> Option<String> {
 /// Describes the savings of the plan with a tolerance.
 fn savings(results: &Results, lens: &str) -> Option<String> {
     let tie = results.ties().times.ratio;
-    let is_own = |saving: &&Saving| saving.lens == lens && matches!(saving.asked, Asked::Tolerance(_));
+    let is_own = |saving: &&Saving| saving.lens == lens && matches!(saving.request, Asked::Tolerance(_));
     let shares = results.leaving_out.iter().filter(is_own).map(|saving| saving.share()[1]);
     let (low, high) = shares.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
     let is_tie = high <= 1.0 - 1.0 / tie && low >= 1.0 - tie;

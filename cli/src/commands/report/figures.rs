@@ -173,7 +173,7 @@ fn single_precision(results: &Results, lens: &str) -> Option<f64> {
 fn one_each<'a>(savings: &[&'a Saving]) -> Vec<(String, &'a Saving)> {
     let mut all: Vec<(String, &Saving)> = Vec::new();
     for saving in savings {
-        let name = match saving.asked {
+        let name = match saving.request {
             Asked::Precision(precision) => precision.to_string(),
             Asked::Tolerance(pixels) => format!("{pixels}"),
         };
@@ -269,7 +269,7 @@ fn savings(results: &Results, lens: &str) -> Chart {
             .leaving_out
             .iter()
             .filter(|s| s.lens == lens && s.entry == entry && s.stopped_down == stopped_down)
-            .filter(|s| matches!(s.asked, Asked::Tolerance(_)))
+            .filter(|s| matches!(s.request, Asked::Tolerance(_)))
             .collect();
         let marks = one_each(&own).into_iter().map(|(name, saving)| {
             let [low, median, high] = saving.share().map(|share| share.max(LEAST));

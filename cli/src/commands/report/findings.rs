@@ -46,7 +46,7 @@ pub fn camera<'a>(
         saving.lens == lens
             && saving.stopped_down == stopped_down
             && saving.entry == entry
-            && saving.asked == request
+            && saving.request == request
     })
 }
 
