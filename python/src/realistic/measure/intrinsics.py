@@ -68,8 +68,8 @@ def intrinsics(camera: Camera, distance: float | None = None, *, coefficients: i
     """Fits the pinhole matrix and OpenCV's distortion to a camera's pictures, with the residual in pixels.
 
     The fit uses mean rays, because a mean ray marks the centre of a blurred image, where a detector finds it.
-    `Camera.export("opencv")` uses
-    chief rays, which pass the middle of the stop. Coma and vignetting make mean rays and chief rays differ.
+    `Camera.export("opencv")` uses chief rays, which pass the middle of the stop. Coma and vignetting make mean rays
+    and chief rays differ.
 
     Parameters
     ----------

@@ -21,17 +21,6 @@ from .tracing import AIM, COLUMNS, DOWN, RAY, RIGHT, Tracer, aim, aim_one
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-SHOWN = {
-    "focus_distance": "focus_distance",
-    "film_distance": "film_distance",
-    "fnumber": "fnumber",
-    "film_diagonal": "film_diagonal",
-    "zoom": "zoom",
-    "shutter_ramp": "shutter_ramp",
-    "shutter_slit": "shutter_slit",
-}
-"""Names of the lens in `mi.traverse`, and the camera's parameter that an assignment sets."""
-
 # Mitsuba's cameras have +x to the left of the picture.
 _MIRROR = np.diag([-1.0, 1.0, 1.0, 1.0])
 
@@ -80,7 +69,7 @@ def sensor_class(model: str | None) -> type:
                 self.nearness = _nearness(camera)
 
         def _values(self) -> dict[str, float]:
-            """Returns the values of `SHOWN` for this camera."""
+            """Returns the parameters of this camera that `mi.traverse` shows, with their values."""
             camera, given = self.camera, self.camera.parameters
             found = {
                 "focus_distance": camera.focus_distance_mm / given.get("mm_per_unit", 1.0),
@@ -260,9 +249,9 @@ def sensor_class(model: str | None) -> type:
                     return
                 parameters = dict(self.parameters)
                 for name in changed:
-                    for displaced in INSTEAD_OF.get(SHOWN[name], ()):
+                    for displaced in INSTEAD_OF.get(name, ()):
                         parameters.pop(displaced, None)
-                parameters |= {SHOWN[name]: repr(value) if name == "zoom" else value for name, value in changed.items()}
+                parameters |= {name: repr(value) if name == "zoom" else value for name, value in changed.items()}
                 self._take(self._built(parameters))
                 self.parameters = parameters
             finally:
@@ -281,7 +270,7 @@ def sensor_class(model: str | None) -> type:
 
 
 def _single(name: str, value: Any) -> float:
-    """Returns the number assigned to a name of `SHOWN`.
+    """Returns the number assigned to a parameter.
 
     Raises
     ------
