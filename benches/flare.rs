@@ -73,7 +73,7 @@ fn lamp(name: &str, rounds: u32) {
         let start = clock::now();
         (sprays, watts) = (0, 0.0);
         let lens_at = |nm| Lens::new(&prescription, nm);
-        let ghosts = GhostSpectrum::new(&wavelengths, lens_at, None, &coatings, film);
+        let ghosts = GhostSpectrum::new(&wavelengths, lens_at, &coatings, film);
         for pair in ghosts.pairs() {
             ghosts.sprays(Some(pair), lamp, SIDE, |_, spray| {
                 sprays += 1;

@@ -96,8 +96,8 @@ pub use realistic_optics::lens::{
     refraction::Refraction,
 };
 pub use realistic_optics::prescription::{
-    Asphere, Blades, Coating, Glass, GlassLibrary, Interface, Layer, LensFileError, Medium, Position,
-    Positions, Prescription, SearchPath, Shape, SourceError, Stated, SurfaceCoating,
+    Aperture, Asphere, Blades, Coating, Glass, GlassLibrary, Interface, Layer, LensFileError, Medium,
+    Outline, Position, Positions, Prescription, SearchPath, Shape, SourceError, Stated, SurfaceCoating,
     catalogue::{find as find_lens, names as lens_names},
     glass::{Formula, InternalTransmittance},
     read, read_with,

@@ -27,7 +27,7 @@ fn print_for<S: KernelScalar + 'static>(simd: Simd, name: &str, arguments: &Benc
     };
     let phone = Lens::at_d_line(&catalogue::find("phone.4mm").expect("listed"));
     let gauss = Lens::at_d_line(&catalogue::find("dgauss.50mm").expect("a catalogue lens"));
-    let planes = phone.surfaces.iter().filter(|surface| surface.curvature == 0.0).copied().collect();
+    let planes = phone.surfaces.iter().filter(|surface| surface.curvature == 0.0).cloned().collect();
     let planes = Lens { surfaces: planes, ..phone.clone() };
     let mut contest = Contest::default();
     for (name, scene) in [

@@ -80,6 +80,7 @@ fn many_surfaces(n: u16) -> Lens {
             absorption: 0.0,
             semi_diameter: 12.0,
             is_stop: false,
+            apertures: std::sync::Arc::default(),
             is_contact: false,
         }
     });

@@ -26,7 +26,7 @@ fn absorbed_photons_and_the_librarys_light_add_up() {
     let toward = [0.05, 0.0, 1.0];
     let photons = balance(&lens, None, toward, plane, SPOT, 300_000, 11);
     let Balance { direct, two, more, beside, blocked, back, absorbed, .. } = photons;
-    let ghosts = Ghosts::new(&lens, None, &Surfaces::new(&lens, Coating::Bare), plane);
+    let ghosts = Ghosts::new(&lens, &Surfaces::new(&lens, Coating::Bare), plane);
     let inside = |spray: &Spray| -> f64 {
         let lands = spray.landings().filter(|landing| landing.point[0].hypot(landing.point[1]) <= SPOT);
         lands.map(|landing| landing.watts).sum()

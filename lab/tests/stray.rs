@@ -19,7 +19,7 @@ type Cells = [usize; 2];
 
 /// Returns the library's direct light and ghosts on the film's disk, per 1 W that enters.
 fn product(lens: &Lens, coating: Coating, toward: [f64; 3], plane: f64, spot: f64, cells: Cells) -> [f64; 2] {
-    let ghosts = Ghosts::new(lens, None, &Surfaces::new(lens, coating), plane);
+    let ghosts = Ghosts::new(lens, &Surfaces::new(lens, coating), plane);
     let lamp = Lamp::Distant(toward);
     let inside = |spray: &Spray| -> f64 {
         let lands = |landing: &&realistic_light::Landing| landing.point[0].hypot(landing.point[1]) <= spot;

@@ -357,10 +357,11 @@ fn close_rays_meet_where_coddington_says() {
             absorption: 0.0,
             semi_diameter: 25.0,
             is_stop: false,
+            apertures: std::sync::Arc::default(),
             is_contact: false,
         };
         let mut sphere = lens_of("30 4 1.6 10\n-30 0 1 10\n");
-        sphere.surfaces = vec![surface];
+        sphere.surfaces = vec![surface.clone()];
         let path = Path::<f64>::scene_to_film(&sphere);
         for (height, angle) in [(0.0_f64, 0.5_f64), (9.0, 0.0), (8.0, 0.4), (-12.0, 0.3)] {
             // The object point lies 80 mm from the surface, up the chief ray; the tangential plane is the y-z plane.

@@ -153,6 +153,7 @@ fn many_surfaces(n: usize, scale: f64) -> Lens {
         absorption: 0.0,
         semi_diameter: 12.0 * scale,
         is_stop: false,
+        apertures: std::sync::Arc::default(),
         is_contact: false,
     };
     Lens {
@@ -351,6 +352,7 @@ fn grazing_and_critical_rays<S: Checked>() {
         absorption: 0.0,
         semi_diameter: 20.0,
         is_stop: false,
+        apertures: std::sync::Arc::default(),
         is_contact: false,
     };
     let plane = |vertex: f64, n_scene: f64, n_film: f64| surface(vertex, f64::INFINITY, n_scene, n_film);

@@ -31,7 +31,7 @@ fn every_example_is_a_lens() {
     assert!((absorbs.coefficient(400.0) * 25.0 + 0.61_f64.ln()).abs() < 1e-3);
     assert_eq!(silica.wavelength, Some(248.0));
     assert!(matches!(singlet.interfaces[1].shape, Shape::Asphere(asphere) if asphere.conic == -2.25));
-    assert_eq!(iris.blades, Some(Blades { count: 7, rotation: 12.0, curvature: 0.25 }));
+    assert_eq!(iris.blades(), Some(Blades { count: 7, rotation: 12.0, curvature: 0.25 }));
     let quarter = SurfaceCoating::Named { coating: Coating::QuarterWave, wavelength: 520.0 };
     assert_eq!(coated.coatings, Some(vec![quarter.clone(), quarter.clone(), quarter, Coating::Bare.into()]));
     // Layers of a quarter, a half and a quarter wave at 550 nm are the definition of this name.

@@ -2,6 +2,7 @@
 //! brute force.
 
 mod afocal;
+mod apertures;
 mod aspheres;
 mod autofocus;
 mod axial_beam;

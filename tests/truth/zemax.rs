@@ -4,7 +4,7 @@
 use realistic_optics::{
     imaging::moving::MovingGroups,
     lens::{Lens, first_order::FirstOrder},
-    prescription::{Fate, Prescription, Shape, read},
+    prescription::{Aperture, Fate, Outline, Prescription, Shape, read},
     trace::{Direction, Path, Ray},
 };
 
@@ -197,23 +197,21 @@ fn an_aperture_of_the_stop_narrows_the_beam() {
 }
 
 #[test]
-fn figures_of_apertures_that_are_not_traced_are_refused_by_name() {
+fn apertures_that_are_not_read_are_refused_by_name() {
     let rear = |line: &str| with(&[("DIAM 8 1\nSURF 3", &format!("DIAM 8 1\n  {line}\nSURF 3"))]);
     for (line, what) in [
-        ("CLAP 2 6 0", "an aperture with a hole (CLAP 2 6 0)"),
-        ("OBSC 0 2 0", "a round obscuration (OBSC 0 2 0)"),
-        ("SQAP 3 1.5 0", "a rectangular aperture (SQAP 3 1.5 0)"),
+        ("OBSC 1 2 0", "an obscuration that is a ring (OBSC 1 2 0)"),
         ("ELAP 3 9 0", "an elliptical aperture"),
         ("SPID 0.5 3", "the vanes of a spider"),
         ("SQOB 1 1 0", "a rectangular obscuration"),
         ("ELOB 1 1 0", "an elliptical obscuration"),
         ("UDAP 0", "an aperture of the user's own"),
-        ("USAP 0", "an aperture of the user's own"),
-        ("CLAP 0 3 0\n  OBDC 0 2", "a decentred aperture (OBDC 0 2)"),
+        ("USAP 0", "an aperture whose outline is in another file (USAP 0)"),
+        ("OBDC 0 2", "a decentring without an aperture (OBDC 0 2)"),
         ("SCBD 0 0 0 0 0 5 0 0", "a tilt or decentring (SCBD 0 0 0 0 0 5 0 0)"),
         ("SCBD 1 0 0 1 0 0 0 0", "a tilt or decentring"),
     ] {
-        refused(&rear(line), &["surface 2 has", what, "only round apertures about the axis are traced"]);
+        refused(&rear(line), &["surface 2 has", what, "which is not traced"]);
     }
     // Statements without an effect are accepted.
     for line in ["OBSC 0 0 0", "CLAP 0 6 0\n  OBDC 0 0", "SCBD 1 0 0 0 0 0 0 0"] {
@@ -222,6 +220,40 @@ fn figures_of_apertures_that_are_not_traced_are_refused_by_name() {
     let around = lens(&rear("SQAP 9 9 0"));
     assert_eq!(around.interfaces[1].semi_diameter, 8.0);
     assert_eq!(fate(&around, "SQAP").0, Fate::Replaced);
+}
+
+#[test]
+fn shaped_apertures_are_read() {
+    let rear = |line: &str| lens(&with(&[("DIAM 8 1\nSURF 3", &format!("DIAM 8 1\n  {line}\nSURF 3"))]));
+    let shapes = |line: &str| {
+        let read = rear(line);
+        assert!(read.remarks.is_empty(), "{line}: {:?}", read.remarks);
+        (read.interfaces[1].semi_diameter, read.interfaces[1].apertures.to_vec())
+    };
+    let circle = |radius: f64, center: [f64; 2], is_obstruction: bool| Aperture {
+        outline: Outline::Ellipse([radius; 2]),
+        center,
+        rotation: 0.0,
+        is_obstruction,
+    };
+    assert_eq!(shapes("CLAP 2 6 0"), (6.0, vec![circle(2.0, [0.0; 2], true)]));
+    assert_eq!(shapes("OBSC 0 2 0"), (8.0, vec![circle(2.0, [0.0; 2], true)]));
+    assert_eq!(shapes("OBSC 5 9 0"), (5.0, vec![]));
+    assert_eq!(shapes("CLAP 0 3 0\n  OBDC 0 2"), (5.0, vec![circle(3.0, [0.0, 2.0], false)]));
+    let rectangle = Aperture::centered(Outline::Rectangle([3.0, 1.5]));
+    assert_eq!(shapes("SQAP 3 1.5 0"), (3.0_f64.hypot(1.5), vec![rectangle]));
+    let triangle: &[[f64; 2]] = &[[1.0, 0.0], [0.0, 3.0], [-1.0, 0.0]];
+    let polygon = Aperture::centered(Outline::Polygon(triangle.into()));
+    let lines =
+        "USAP 0\n  UDAD 0 \"own.uda\" 1\n  UDAD 1 1 0 0\n  UDAD 1 0 3 0\n  UDAD 1 -1 0 0\n  UDAD 1 0 0 0";
+    assert_eq!(shapes(lines), (3.0, vec![polygon]));
+    for (line, why) in [
+        ("UDAD 1 1 0 0\n  UDAD 1 0 3 0", "of fewer than three vertices"),
+        ("UDAD 1 1 0 2", "with an edge that is not straight"),
+        ("UDAD 1 0 0 0\n  UDAD 1 1 0 0", "with more than one outline"),
+    ] {
+        refused(&with(&[("DIAM 8 1\nSURF 3", &format!("DIAM 8 1\n  {line}\nSURF 3"))]), &[why]);
+    }
 }
 
 #[test]

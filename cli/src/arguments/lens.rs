@@ -12,7 +12,7 @@ use realistic_camera::{
 };
 use realistic_optics::imaging::{focus::Conjugates, open::StopSize};
 use realistic_optics::lens::Lens;
-use realistic_optics::prescription::{Blades, MAX_FILE_BYTES, Prescription, SurfaceCoating};
+use realistic_optics::prescription::{MAX_FILE_BYTES, Prescription, SurfaceCoating};
 use std::io::{self, Read as _};
 use std::sync::OnceLock;
 
@@ -241,7 +241,9 @@ impl LensChoice {
     /// As for [`open_lens`].
     pub fn open_with_blades(&self) -> Result<OpenedLens, Failure> {
         let of_blades = ["blades", "blade_rotation", "blade_curvature"];
-        self.open_with(&[&LENS_PARAMETERS[..], &of_blades].concat())
+        let mut opened = self.open_with(&[&LENS_PARAMETERS[..], &of_blades].concat())?;
+        opened.lens.set_blades(blades(&opened.parameters, &opened.prescription)?);
+        Ok(opened)
     }
 
     /// Finds the lens and accepts the parameter for the transmission of its surfaces, too.
@@ -320,14 +322,6 @@ impl OpenedLens {
     pub fn is_placed(&self) -> bool {
         let Parameters { film_distance, focus_distance, focus_by, .. } = &self.parameters;
         film_distance.is_some() || focus_distance.is_some() || focus_by.is_some()
-    }
-
-    /// Returns the blades of the stop; `None` if it is round.
-    ///
-    /// # Errors
-    /// As for [`blades`].
-    pub fn blades(&self) -> Result<Option<Blades>, Failure> {
-        Ok(blades(&self.parameters, &self.prescription)?)
     }
 
     /// Returns the coatings of the surfaces, from the scene on; `None` if transmission is ignored.

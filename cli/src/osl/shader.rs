@@ -104,7 +104,6 @@ impl OslCamera {
         let traced = TracedLens {
             lens: &widest,
             stop: optics.stop,
-            blades: prescription.blades,
             focal_length: optics.focal_length,
             gaps: &gaps,
             stop_radius_moves,

@@ -9,7 +9,8 @@ use super::figure;
 use super::light::{Light, Meeting};
 use super::text::number;
 use realistic_optics::lens::{Lens, Surface};
-use realistic_optics::prescription::Blades;
+use realistic_optics::prescription::Aperture;
+use realistic_optics::trace::{ApertureTest, Edge, OutlineTest};
 use std::fmt::Write as _;
 
 /// Radius of curvature, in focal lengths, below which a surface counts as strong: the division-free form of the
@@ -26,7 +27,6 @@ pub struct TracedLens<'a> {
     pub lens: &'a Lens,
     /// The surface whose aperture the f-number sets, counted from the scene.
     pub stop: usize,
-    pub blades: Option<Blades>,
     pub focal_length: f64,
     /// Gaps that change, each as the index of the surface before it, which gives the variable's name, and its largest
     /// value, mm.
@@ -109,6 +109,9 @@ pub fn text(traced: &TracedLens<'_>) -> String {
         text += indices;
     }
     text += "  float r2 = x*x + y*y;\n  float f = 0, g = 0, e = 0, q = 0, t = 0, k = 0;\n  z = 0;\n";
+    if lens.surfaces.iter().any(|surface| !surface.apertures.is_empty()) {
+        text += "  /* A point in a shaped aperture, and what decides whether it lies inside. */\n  float u = 0, v = 0, m = 0;\n";
+    }
     if traced.light.is_some() {
         text += "  vector stokes = 0, across = 0;\n  left = 1;\n";
     }
@@ -132,17 +135,18 @@ pub fn text(traced: &TracedLens<'_>) -> String {
             true => format!("stop*stop*{}", number(surface.semi_diameter.powi(2))),
             false => number(surface.semi_diameter.powi(2)),
         };
+        let radius = match i == traced.stop {
+            true if traced.stop_radius_moves => "stop*rim".to_owned(),
+            true => format!("stop*{}", number(surface.semi_diameter)),
+            false => number(surface.semi_diameter),
+        };
         let is_plane = surface.curvature == 0.0 && surface.figure.is_none();
         // Between media of equal index there is no refraction, but another glass may begin.
         let ahead = i.checked_sub(1).and_then(|row| absorption[row].as_ref());
         let changes = absorption[i].as_ref() != ahead;
         if is_plane && surface.n_film == surface.n_scene && !changes {
             opening(&mut text, &pending, &limit);
-            if let (Some(blades), true) = (traced.blades, surface.is_stop) {
-                let stop_radius =
-                    if traced.stop_radius_moves { "rim".to_owned() } else { number(surface.semi_diameter) };
-                blades_of(&mut text, blades, &stop_radius);
-            }
+            apertures(&mut text, &surface.apertures, &radius, ["f", "g", "vz"]);
             continue;
         }
         let absorbed = absorption[i].as_ref().map_or_else(String::new, |coefficient| {
@@ -192,6 +196,7 @@ pub fn text(traced: &TracedLens<'_>) -> String {
             let light = light((["e", "f"], normal));
             sphere(&mut text, traced, surface, pending.most, &limit, [&squares[0], &step], &light);
         }
+        apertures(&mut text, &surface.apertures, &radius, ["x", "y", "1.0"]);
         if ahead.is_some() {
             text += "  px = x;\n  py = y;\n  pz = z;\n";
         }
@@ -211,20 +216,39 @@ fn opening(text: &mut String, ahead: &Length, limit: &str) {
     let _ = writeln!(text, "  if (f*f + g*g > {limit}*vz*vz || vz <= 0)\n    return 0;");
 }
 
-/// Writes the test of the straight or curved edges of a stop's blades, for the point (f, g) times vz.
-fn blades_of(text: &mut String, blades: Blades, stop_radius: &str) {
-    let constants = blades.constants();
-    text.push_str("  e = -1e30;\n");
-    for [x, y] in blades.normals() {
-        let _ = writeln!(text, "  e = max(e, {}*f + {}*g);", number(x), number(y));
+/// Writes the tests of the apertures and obstructions inside a clear aperture of the semi-diameter `radius`, for the
+/// point (x, y) times `w`. The constants are those of [`ApertureTest`] for a clear semi-diameter of 1.
+fn apertures(text: &mut String, apertures: &[Aperture], radius: &str, [x, y, w]: [&str; 3]) {
+    for aperture in apertures {
+        let test = ApertureTest::<f64>::new(aperture, 1.0);
+        let inside = match &test.outline {
+            OutlineTest::Convex(test) => {
+                let [cx, cy] = test.center.map(number);
+                let [[xx, xy], [yx, yy]] = test.axes.map(|row| row.map(number));
+                let _ = writeln!(text, "  m = {x} - {cx}*{radius}*{w};\n  v = {y} - {cy}*{radius}*{w};");
+                let _ = writeln!(text, "  u = {xx}*m + {xy}*v;\n  v = {yx}*m + {yy}*v;\n  m = 0;");
+                for [nx, ny] in test.normals.iter().map(|normal| normal.map(number)) {
+                    let _ = writeln!(text, "  m = max(m, {nx}*u + {ny}*v);");
+                }
+                let [bulge, slant, limit] = [test.bulge, test.slant, test.limit].map(number);
+                format!("{bulge}*(u*u + v*v) + {slant}*{radius}*m*{w} <= {limit}*{radius}*{radius}*{w}*{w}")
+            }
+            OutlineTest::Polygon(edges) => {
+                text.push_str("  m = 0;\n");
+                for Edge { lower, upper, along } in edges {
+                    let ([x0, y0], y1, [dx, dy]) = (lower.map(number), number(*upper), along.map(number));
+                    let _ = writeln!(
+                        text,
+                        "  if ({y0}*{radius}*{w} <= {y} && {y} < {y1}*{radius}*{w}\n      \
+                         && ({x} - {x0}*{radius}*{w})*{dy} < ({y} - {y0}*{radius}*{w})*{dx})\n    m = 1 - m;"
+                    );
+                }
+                "m > 0.5".to_owned()
+            }
+        };
+        let blocked = if test.is_obstruction { inside } else { format!("!({inside})") };
+        let _ = writeln!(text, "  if ({blocked})\n    return 0;");
     }
-    let _ = writeln!(
-        text,
-        "  if ({}*(f*f + g*g) + {}*{stop_radius}*stop*e*vz > {}*{stop_radius}*{stop_radius}*stop*stop*vz*vz)\n    return 0;",
-        number(constants.bulge),
-        number(constants.slant),
-        number(constants.limit),
-    );
 }
 
 fn plane(text: &mut String, limit: &str, step: &str, light: &str) {

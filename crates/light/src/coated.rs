@@ -11,7 +11,7 @@ use super::{
 use realistic_base::numeric::dot;
 use realistic_optics::{
     lens::{Lens, Ray, refraction::Refraction},
-    prescription::{AirSide, Blades, Layer, SurfaceCoating},
+    prescription::{AirSide, Layer, SurfaceCoating},
     trace::{Blocked, Direction, FoldedPaths, Meeting, Path, PathSurface},
 };
 
@@ -150,9 +150,9 @@ pub struct LitPaths {
 }
 
 impl LitPaths {
-    /// Builds the paths of a lens to which `surfaces` belong, with blades in its stop.
-    pub fn new(lens: &Lens, blades: Option<Blades>, surfaces: &Surfaces) -> Self {
-        let paths = FoldedPaths::new(lens, Direction::FilmToScene, Refraction::Fused, blades);
+    /// Builds the paths of a lens to which `surfaces` belong, with its apertures.
+    pub fn new(lens: &Lens, surfaces: &Surfaces) -> Self {
+        let paths = FoldedPaths::new(lens, Direction::FilmToScene, Refraction::Fused);
         Self { paths, surfaces: surfaces.clone() }
     }
 
@@ -206,11 +206,11 @@ pub struct SpectralPaths {
 }
 
 impl SpectralPaths {
-    /// Builds the paths of a lens with blades in its stop and these coatings, listed from the scene on. The media of
+    /// Builds the paths of a lens with its apertures and these coatings, listed from the scene on. The media of
     /// `lens` must have the largest refractive indices of all wavelengths, because bounds of aspheres are derived from
     /// these indices.
-    pub fn new(lens: &Lens, blades: Option<Blades>, coatings: &[SurfaceCoating], medium: MediumAt) -> Self {
-        let paths = FoldedPaths::new(lens, Direction::FilmToScene, Refraction::Fused, blades);
+    pub fn new(lens: &Lens, coatings: &[SurfaceCoating], medium: MediumAt) -> Self {
+        let paths = FoldedPaths::new(lens, Direction::FilmToScene, Refraction::Fused);
         let layers = coatings.iter().map(SurfaceCoating::from_air).collect();
         Self { paths, layers, medium }
     }

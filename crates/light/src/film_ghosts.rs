@@ -26,7 +26,6 @@ use super::{
 };
 use realistic_optics::{
     lens::{Lens, Ray, cos4, film_ray, pupil::SlopeDisk},
-    prescription::Blades,
     trace::Blocked,
 };
 use realistic_trace::kernel::{ClearanceTracer, FilmRay};
@@ -104,7 +103,6 @@ impl FilmGhosts {
     /// fewer than two surfaces reflect.
     pub fn new(
         lens: &Lens,
-        blades: Option<Blades>,
         surfaces: &Surfaces,
         film: f64,
         reach: f64,
@@ -115,9 +113,9 @@ impl FilmGhosts {
             return None;
         }
         let step = reach / INTERVALS as f64;
-        let paths = LitPaths::new(lens, blades, surfaces);
-        // The round stop contains the opening of the blades.
-        let round = LitPaths::new(lens, None, surfaces);
+        let paths = LitPaths::new(lens, surfaces);
+        // The clear apertures contain all other apertures.
+        let round = LitPaths::new(&lens.without_apertures(), surfaces);
         let work = Work::new(WORK);
         let mut found: Vec<(Surveyed, f64)> = Vec::new();
         let (mut known, mut estimated) = (0.0, 0.0);

@@ -19,7 +19,7 @@ use super::{
 };
 use realistic_optics::{
     lens::{Lens, Ray, refraction::Refraction},
-    prescription::{Blades, SurfaceCoating},
+    prescription::SurfaceCoating,
     trace::{Direction, Path},
 };
 use realistic_trace::kernel::ClearanceTracer;
@@ -33,7 +33,6 @@ const MET: usize = 100_000;
 #[derive(Clone, Debug)]
 pub struct Ghosts {
     lens: Lens,
-    blades: Option<Blades>,
     surfaces: Surfaces,
     direct: LitPath,
     pairs: Vec<Pair>,
@@ -55,8 +54,8 @@ pub struct LeftOut {
 
 impl Ghosts {
     /// Finds the ghosts of a lens with the film at z = `film`, mm.
-    pub fn new(lens: &Lens, blades: Option<Blades>, surfaces: &Surfaces, film: f64) -> Self {
-        let direct = LitPath::new(path(lens, blades, None), surfaces);
+    pub fn new(lens: &Lens, surfaces: &Surfaces, film: f64) -> Self {
+        let direct = LitPath::new(path(lens, None), surfaces);
         let all = Pairs::of(surfaces).brightest(lens, surfaces, film);
         let mut met = 0;
         let fits = |estimate: &&Estimate| {
@@ -71,7 +70,7 @@ impl Ghosts {
         let left_out = LeftOut { pairs: all.len() - pairs.len(), share };
         pairs.sort_unstable();
         let (lens, surfaces, front) = (lens.clone(), surfaces.clone(), front_sphere(lens));
-        Self { lens, blades, surfaces, direct, pairs, left_out, front, film }
+        Self { lens, surfaces, direct, pairs, left_out, front, film }
     }
 
     /// Iterates over the pairs and their paths; each path is built when the iteration reaches it.
@@ -91,7 +90,7 @@ impl Ghosts {
 
     /// Returns the path of a pair.
     pub fn lit(&self, pair: Pair) -> LitPath {
-        LitPath::new(path(&self.lens, self.blades, Some(pair)), &self.surfaces)
+        LitPath::new(path(&self.lens, Some(pair)), &self.surfaces)
     }
 
     /// Returns the path without a reflection.
@@ -114,12 +113,12 @@ impl Ghosts {
 }
 
 /// Returns the path of a pair through a lens or, if `pair` is `None`, the path without a reflection.
-fn path(lens: &Lens, blades: Option<Blades>, pair: Option<Pair>) -> Path {
+fn path(lens: &Lens, pair: Option<Pair>) -> Path {
     let path = match pair {
         Some(pair) => Path::reflected(lens, Direction::SceneToFilm, Refraction::Fused, pair),
         None => Path::scene_to_film(lens),
     };
-    path.with_blades(lens, blades)
+    path.with_apertures(lens)
 }
 
 /// Returns the tracer of a path up to the first mirror; `None` if the path has no mirror. The film is infinitely far
@@ -134,7 +133,6 @@ fn approach(path: &Path) -> Option<ClearanceTracer> {
 pub struct GhostSpectrum {
     /// The lens at each wavelength.
     lenses: Vec<Lens>,
-    blades: Option<Blades>,
     /// Indices of the wavelengths at which whole grids are traced.
     nodes: Vec<usize>,
     /// The ghosts at the wavelengths at which light is traced.
@@ -158,7 +156,6 @@ impl GhostSpectrum {
     pub fn new(
         wavelengths: &[f64],
         lens_at: impl Fn(f64) -> Lens,
-        blades: Option<Blades>,
         coatings: &[SurfaceCoating],
         film: f64,
     ) -> Self {
@@ -168,12 +165,12 @@ impl GhostSpectrum {
         let of_light = light_nodes(wavelengths, &lens_at, coatings);
         let light = of_light.iter().map(|nm| {
             let lens = lens_at(*nm);
-            Ghosts::new(&lens, None, &Surfaces::of_each(&lens, coatings), film)
+            Ghosts::new(&lens, &Surfaces::of_each(&lens, coatings), film)
         });
         let light = light.collect();
         let mixture =
             |nm: &f64| Mixture { landing: lagrange(&at_nodes, *nm), light: lagrange(&of_light, *nm) };
-        Self { lenses, blades, nodes, light, mixtures: wavelengths.iter().map(mixture).collect() }
+        Self { lenses, nodes, light, mixtures: wavelengths.iter().map(mixture).collect() }
     }
 
     /// Iterates over the pairs.
@@ -186,7 +183,7 @@ impl GhostSpectrum {
     pub fn sprays(&self, pair: Option<Pair>, lamp: Lamp, side: usize, found: impl FnMut(usize, &Spray)) {
         let Some(ghosts) = self.light.first() else { return };
         let lit_path = |ghosts: &Ghosts| pair.map_or_else(|| ghosts.direct.clone(), |pair| ghosts.lit(pair));
-        let paths: Vec<Path> = self.lenses.iter().map(|lens| path(lens, self.blades, pair)).collect();
+        let paths: Vec<Path> = self.lenses.iter().map(|lens| path(lens, pair)).collect();
         let tracers: Vec<_> = paths.iter().map(|path| ClearanceTracer::new(path, ghosts.film)).collect();
         let approaches: Vec<_> = ends(&paths).filter_map(approach).collect();
         let light: Vec<_> = self.light.iter().map(|ghosts| lit_path(ghosts).without_edges()).collect();

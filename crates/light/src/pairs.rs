@@ -170,7 +170,7 @@ mod tests {
         lens.surfaces.iter_mut().for_each(|surface| surface.semi_diameter *= 1e-3);
         let surfaces = Surfaces::new(&lens, Coating::Bare);
         let film = lens.rear().vertex - 36.0;
-        let paths = FoldedPaths::new(&lens, Direction::FilmToScene, Refraction::Fused, None);
+        let paths = FoldedPaths::new(&lens, Direction::FilmToScene, Refraction::Fused);
         let last = lens.surfaces.len() - 1;
         let mut equal = 0;
         let all = Pairs::of(&surfaces).brightest(&lens, &surfaces, film);

@@ -125,7 +125,7 @@ impl Conditioned {
         let count = lens.surfaces.len();
         let at = |number: usize| if forward { number } else { count - 1 - number };
         let interface = |number: usize| {
-            let surface = lens.surfaces[at(number)];
+            let surface = &lens.surfaces[at(number)];
             let distance = match number {
                 0 => 0.0,
                 _ => lens.surfaces[at(number).min(at(number - 1))].thickness,
@@ -139,12 +139,12 @@ impl Conditioned {
             let semi_diameter = OPEN * surface.semi_diameter;
             let last_bent = (0..number).rev().find(|&before| !lens.surfaces[at(before)].only_limits());
             let touches = |before: usize| lens.surfaces[at(number).max(at(before))].is_contact;
-            let alone = Surface { vertex: 0.0, thickness: 0.0, semi_diameter, ..surface };
+            let alone = Surface { vertex: 0.0, thickness: 0.0, semi_diameter, ..surface.clone() };
             let alone = Lens { surfaces: vec![alone], ..lens.clone() };
             Interface {
                 distance,
                 curvature: if forward { surface.curvature } else { -surface.curvature },
-                aspheric: surface.figure.map(|figure| Aspheric::new(&figure, &surface, direction)),
+                aspheric: surface.figure.map(|figure| Aspheric::new(&figure, surface, direction)),
                 semi_diameter: surface.semi_diameter,
                 depth: high - low,
                 index_step: (n_after - n) * (n_after + n) / (n * n),

@@ -161,7 +161,7 @@ fn the_film_gets_the_watts_of_the_lamps() {
             let (mean, spread) = (sum / n, (squares / n - (sum / n).powi(2)).sqrt() / n.sqrt());
             let [seen, error] = [area * mean, area * spread];
             // The same sky is represented by lamps.
-            let ghosts = Ghosts::new(lens, None, &Surfaces::new(lens, coating), film);
+            let ghosts = Ghosts::new(lens, &Surfaces::new(lens, coating), film);
             let solid_angle = std::f64::consts::TAU * (1.0 - cosine);
             let lamps = 24;
             let each: Vec<f64> = (0..lamps)

@@ -148,8 +148,7 @@ fn the_edges_of_a_spray_are_round() {
     let radius = 4.0;
     let text = format!("inf 2 1.5 - 20\ninf 1 - - 20\nstop 0 - - {}\n", 2.0 * radius);
     let window = Lens::at_d_line(&realistic::read("window", text.as_bytes()).expect("a lens"));
-    let ghosts =
-        Ghosts::new(&window, None, &Surfaces::new(&window, Coating::Bare), window.rear().vertex - 10.0);
+    let ghosts = Ghosts::new(&window, &Surfaces::new(&window, Coating::Bare), window.rear().vertex - 10.0);
     let lamp = Lamp::Distant([0.0, 0.0, 1.0]);
     let left = 0.96 * 0.96;
     for side in [16, 33] {

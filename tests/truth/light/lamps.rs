@@ -9,7 +9,7 @@ use realistic_optics::{
 };
 
 fn ghosts(lens: &Lens, film: f64) -> Ghosts {
-    Ghosts::new(lens, None, &Surfaces::new(lens, Coating::Bare), film)
+    Ghosts::new(lens, &Surfaces::new(lens, Coating::Bare), film)
 }
 
 /// Returns a lamp at an angle from the axis, degrees.

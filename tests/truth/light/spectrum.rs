@@ -40,15 +40,19 @@ fn errors(
     let own = lens(name);
     let film = own.rear().vertex - own.nominal_film_distance.unwrap_or(36.0);
     let coatings = vec![coating.clone(); own.surfaces.len()];
-    let lens_at = |nm| Lens::new(&prescription, nm);
+    let lens_at = |nm| {
+        let mut lens = Lens::new(&prescription, nm);
+        lens.set_blades(blades);
+        lens
+    };
     let (sin, cos) = f64::to_radians(degrees).sin_cos();
     let lamp = Lamp::Distant([0.6 * sin, 0.8 * sin, cos]);
     let width = 260.0 / f64::from(WAVELENGTHS);
     let wavelengths: Vec<f64> = (0..WAVELENGTHS).map(|i| 420.0 + width * (f64::from(i) + 0.5)).collect();
-    let spectrum = GhostSpectrum::new(&wavelengths, lens_at, blades, &coatings, film);
+    let spectrum = GhostSpectrum::new(&wavelengths, lens_at, &coatings, film);
     let each = COMPARED.map(|k| {
         let lens = lens_at(wavelengths[k]);
-        Ghosts::new(&lens, blades, &Surfaces::of_each(&lens, &coatings), film)
+        Ghosts::new(&lens, &Surfaces::of_each(&lens, &coatings), film)
     });
     let mut watts = 0.0;
     let mut errors = Errors { of_interpolation: [0.0; 2], of_grid: [0.0; 2] };

@@ -2,8 +2,8 @@
 //! every number has enough digits to distinguish it from the neighbouring doubles.
 
 use realistic_optics::prescription::{
-    Asphere, Blades, Coating, FIRST_POWER, Interface, Medium, Positions, Prescription, STACK, Shape,
-    SurfaceCoating,
+    Aperture, Asphere, Blades, Coating, FIRST_POWER, Interface, Medium, Outline, Positions, Prescription,
+    STACK, Shape, SurfaceCoating,
     glass::{Formula, HIGHEST_POWER, LOWEST_POWER},
 };
 use std::fmt::Write as _;
@@ -45,10 +45,13 @@ pub fn write(lens: &Prescription) -> String {
     if let Some(positions) = &lens.positions {
         write_positions(&mut text, positions, lens.interfaces.len());
     }
-    if let Some(Blades { count, rotation, curvature }) = lens.blades {
+    if let Some(Blades { count, rotation, curvature }) = lens.blades() {
         let [rotation, curvature] = [rotation, curvature].map(number);
         let blades = [count.to_string(), format!("rotation={rotation} curvature={curvature}")];
         line(&mut text, "blades", &blades);
+    }
+    for (row, interface) in (1..).zip(&lens.interfaces) {
+        interface.apertures.iter().for_each(|aperture| write_aperture(&mut text, row, aperture));
     }
     let names = glass_names(lens);
     for (name, interface) in &names {
@@ -182,9 +185,28 @@ fn glass_names(lens: &Prescription) -> Vec<(String, Interface)> {
             || (1..).map(|i| format!("glass-{i}")).find(|name| !is_taken(name, &names)).expect("one is free"),
             str::to_owned,
         );
-        names.push((name, *interface));
+        names.push((name, interface.clone()));
     }
     names
+}
+
+/// Writes an aperture or an obstruction of a row. Blades have a line of their own.
+fn write_aperture(text: &mut String, row: usize, aperture: &Aperture) {
+    let (shape, sizes) = match &aperture.outline {
+        Outline::Ellipse([x, y]) if x == y => ("circle", vec![*x]),
+        Outline::Ellipse(semi_axes) => ("ellipse", semi_axes.to_vec()),
+        Outline::Rectangle(half_widths) => ("rectangle", half_widths.to_vec()),
+        Outline::Polygon(vertices) => ("polygon", vertices.concat()),
+        Outline::Blades(_) => return,
+    };
+    let Aperture { center: [x, y], rotation, is_obstruction, .. } = *aperture;
+    let mut words = vec![row.to_string(), shape.to_owned()];
+    words.extend(sizes.into_iter().map(number));
+    let constants = [("x", x), ("y", y), ("rotation", rotation)].into_iter();
+    words.extend(
+        constants.filter(|(_, value)| *value != 0.0).map(|(name, value)| format!("{name}={}", number(value))),
+    );
+    line(text, if is_obstruction { "obstruction" } else { "aperture" }, &words);
 }
 
 /// Whether both interfaces have the same glass behind them.
@@ -306,7 +328,8 @@ mod tests {
             glass own sellmeier B1=1.1 B2=0.2 B3=1 C1=0.006 C2=0.02 C3=103\nglass poly polynomial A0=2.3 A2=-0.01 A-2=0.01\n\
             glass con conrady A=1.5 B=0.01 C=0.001\nglass her herzberger A=1.5 B=0.01 C=0.001 D=-0.01 E=0 F=0\n\
             glass ext sellmeier A=1.1 B1=1.2 C1=0.01 D=-0.01\nasphere 7 conic=-3.3 A2=1e-3 A3=1e-5 A20=-1e-40\n\
-            asphere 2 conic=-1.1 A4=-0\ncoating 2 three-layer at=512.5\ncoating 10 v-coat\ncoating 5 stack 1.38 99.6 2.05 134.15\npositions wide - tele\ngap 5 3 5.5 9\nfilm 40 38 35\nstopdiameter 6 6.5 -\nfocal - 35 50.5\n\
+            asphere 2 conic=-1.1 A4=-0\ncoating 2 three-layer at=512.5\ncoating 10 v-coat\naperture 6 rectangle 2 1.1 y=0.5 rotation=-20\naperture 2 polygon 0 0 3 1 -2 0.7\n\
+            obstruction 1 circle 1.3 x=-0.1\ncoating 5 stack 1.38 99.6 2.05 134.15\npositions wide - tele\ngap 5 3 5.5 9\nfilm 40 38 35\nstopdiameter 6 6.5 -\nfocal - 35 50.5\n\
             fnumber 2.8 - 4\nobject inf 500 inf\nfield 75 63.4 -\nyear 1999\n";
         let lens = read("all.dat", text.as_bytes()).unwrap();
         there_and_back(&lens);

@@ -21,7 +21,7 @@ use realistic_camera::{CameraError, Transmission, coatings};
 use realistic_light::{GhostSpectrum, Ghosts, Lamp, Pair, Surfaces, beyond_pairs, paraxial_focus};
 use realistic_optics::{
     lens::Lens,
-    prescription::{Blades, Prescription, SurfaceCoating},
+    prescription::{Prescription, SurfaceCoating},
 };
 use std::path::{Path, PathBuf};
 
@@ -131,7 +131,6 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     }
     args.light.check(&opened.lens).map_err(|why| Failure::Usage(format!("--light: {why}")))?;
     let setup = FlareSetup {
-        blades: opened.blades()?,
         film: opened.lens.rear().vertex - film_distance,
         lamp: args.light,
         coatings: coatings_of(args.coating, &opened.prescription)?,
@@ -195,7 +194,6 @@ fn both(out: &Path) -> Result<Vec<PathBuf>, Failure> {
 
 /// Quantities that do not depend on the wavelength.
 struct FlareSetup {
-    blades: Option<Blades>,
     /// z of the film, mm.
     film: f64,
     lamp: Lamp,
@@ -209,7 +207,7 @@ impl FlareSetup {
     }
 
     fn ghosts(&self, lens: &Lens) -> Ghosts {
-        Ghosts::new(lens, self.blades, &self.surfaces(lens), self.film)
+        Ghosts::new(lens, &self.surfaces(lens), self.film)
     }
 
     /// Ranks all pairs by their watts at the lens's own wavelength.
@@ -255,6 +253,7 @@ impl FlareSetup {
             let mut lens = Lens::new(&opened.prescription, wavelength);
             for (surface, own) in lens.surfaces.iter_mut().zip(&opened.lens.surfaces) {
                 surface.semi_diameter = own.semi_diameter;
+                surface.apertures = own.apertures.clone();
             }
             lens
         };
@@ -265,7 +264,7 @@ impl FlareSetup {
             chosen.extend([first, last].into_iter().flat_map(|nm| self.rank(&lens_at(nm)).brightest_pairs()));
         }
         let wavelengths: Vec<f64> = bands.iter().map(|(nm, _)| *nm).collect();
-        let ghosts = GhostSpectrum::new(&wavelengths, lens_at, self.blades, &self.coatings, self.film);
+        let ghosts = GhostSpectrum::new(&wavelengths, lens_at, &self.coatings, self.film);
         // Factors that convert the watts at a wavelength to a pixel's red, green and blue, W/m², and to the watts of
         // all wavelengths.
         let per_area = 1e6 / film.pixel().powi(2);
@@ -332,12 +331,7 @@ mod tests {
         let lens = Lens::at_d_line(&catalogue::find("dgauss.50mm").unwrap());
         let table = |coating: Coating| {
             let coatings = vec![coating.into(); lens.surfaces.len()];
-            let setup = FlareSetup {
-                blades: None,
-                film: lens.rear().vertex - 36.0,
-                lamp: lamp("15,0").unwrap(),
-                coatings,
-            };
+            let setup = FlareSetup { film: lens.rear().vertex - 36.0, lamp: lamp("15,0").unwrap(), coatings };
             setup.rank(&lens)
         };
         let [bare, coated] = [Coating::Bare, Coating::QuarterWave].map(table);

@@ -21,9 +21,9 @@ pub(super) struct Front {
 impl Front {
     /// Returns the front of a lens.
     pub fn of(lens: &Lens) -> Self {
-        let surface = *lens.front();
+        let surface = lens.front().clone();
         let path = Path::new(lens, Direction::SceneToFilm, Refraction::Fused);
-        Self { surface, path, foremost: surface.sagitta_range()[1], rear: lens.rear().vertex }
+        Self { foremost: surface.sagitta_range()[1], surface, path, rear: lens.rear().vertex }
     }
 
     /// Whether a point lies in front of the surface or beside it at any z; the latter because a fisheye sees

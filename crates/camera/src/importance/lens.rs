@@ -7,7 +7,7 @@ use realistic_light::Transmission;
 use realistic_optics::{
     imaging::axial_beam::AxialBeam,
     lens::{Lens, Ray, pupil::EntrancePupil, refraction::Refraction},
-    prescription::{Blades, SurfaceCoating},
+    prescription::SurfaceCoating,
     trace::{Direction, Path},
 };
 use realistic_simd::Available;
@@ -61,9 +61,9 @@ fn light_in_place(optics: &impl Optics<f64>, simd: Available, rays: &mut LensRay
 pub struct AdjointLens {
     front: Front,
     film: ImportanceFilm,
-    /// The kernel from scene to film, with the blades.
+    /// The kernel from scene to film, with all apertures.
     kernel: LightKernel,
-    /// The path from scene to film without the blades.
+    /// The path from scene to film with clear apertures alone.
     whole: Path,
     /// The entrance pupil.
     pupil: EntrancePupil,
@@ -74,12 +74,12 @@ pub struct AdjointLens {
 }
 
 impl AdjointLens {
-    /// Returns the adjoint of a lens, with the blades in its stop, in front of a camera body.
-    pub fn new(lens: &Lens, blades: Option<Blades>, body: &CameraBody) -> Self {
+    /// Returns the adjoint of a lens in front of a camera body.
+    pub fn new(lens: &Lens, body: &CameraBody) -> Self {
         let pupil = AxialBeam::of(lens).entrance;
         let film = ImportanceFilm::new(body);
         let whole = Path::new(lens, Direction::SceneToFilm, Refraction::Fused);
-        let kernel = Kernel::along(&whole.clone().with_blades(lens, blades));
+        let kernel = Kernel::along(&whole.clone().with_apertures(lens));
         Self {
             front: Front::of(lens),
             film,
@@ -138,8 +138,8 @@ impl AdjointLens {
         self.land(&mut rays.traced);
     }
 
-    /// Tabulates the pupil as seen from scene points. It is the pupil of the round stop; rays that hit the
-    /// blades are blocked when they are traced.
+    /// Tabulates the pupil as seen from scene points. It is the pupil of the clear apertures; rays that other
+    /// apertures block are traced in vain.
     fn tabulate(&self) -> SeenPupil {
         SeenPupil::build(&self.whole, &self.front, self.film.z(), &self.pupil, self.reference)
     }

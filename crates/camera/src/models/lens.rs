@@ -24,7 +24,6 @@ use crate::{
 };
 use realistic_optics::{
     lens::film_ray,
-    prescription::Blades,
     trace::{Direction, Path, Ray},
 };
 use realistic_trace::field::Field;
@@ -42,7 +41,6 @@ pub struct RealisticCamera {
     tracers: Tracers,
     rays: RayMaker,
     plan: Plan,
-    blades: Option<Blades>,
     shared: SharedLens,
 }
 
@@ -81,9 +79,8 @@ impl RealisticCamera {
         let rear = rear_disk(&setup, film_z)?;
         let exit = PupilDisk::exit(lens, film_z);
         let sampler = pupil_sampler(&setup, &path, film_z, [rear, exit], log);
-        // The sampled pupil is that of the round stop; rays that hit the blades are blocked when they are
-        // traced.
-        let path = path.with_blades(lens, setup.blades);
+        // The sampled pupil is that of the clear apertures; rays that other apertures block are traced in vain.
+        let path = path.with_apertures(lens);
         let weight = weight_factor(&setup, &path, film_z, &sampler, [rear, exit])?;
         let body = CameraBody {
             film_side: FilmSide { film: *film, z: film_z, mapping: setup.mapping, sampler },
@@ -101,15 +98,14 @@ impl RealisticCamera {
         // With a tolerance, the camera's own tracer may be approximate; rays at wavelengths need the exact
         // tracer.
         if setup.is_dispersive() || setup.tolerance > 0.0 {
-            let Setup { media, transmittances, blades, .. } = setup;
-            let optics = LensOfMedia { lens: lens.clone(), media, transmittances, blades };
+            let Setup { media, transmittances, .. } = setup;
+            let optics = LensOfMedia { lens: lens.clone(), media, transmittances };
             rays.set_spectral(Spectral::new(optics, body.clone(), tracers.exact, ghosts.clone()));
         }
         // The film distance that corresponds to the rounded z of the film.
         let film_distance = setup.facts.lens.rear().vertex - film_z;
         let facts = Facts { film_distance, ..setup.facts };
-        let (blades, shared) = (setup.blades, setup.shared);
-        Ok(Self { facts, body, rear, path, ghosts, tracers, rays, plan, blades, shared })
+        Ok(Self { facts, body, rear, path, ghosts, tracers, rays, plan, shared: setup.shared })
     }
 
     /// Returns the ray of a sample and its weight, which is positive; `None` for a blocked sample.
@@ -177,7 +173,7 @@ impl RealisticCamera {
 
     /// Returns the adjoint lens.
     pub fn adjoint_lens(&self) -> AdjointLens {
-        AdjointLens::new(&self.facts.lens, self.blades, &self.body)
+        AdjointLens::new(&self.facts.lens, &self.body)
     }
 }
 

@@ -186,7 +186,7 @@ pub(super) fn ghost_rays(
     }
     let surfaces = Surfaces::of_each(lens, coatings);
     let cover = |point| rear.seen_from(point);
-    let ghosts = FilmGhosts::new(lens, setup.blades, &surfaces, body.film_side.z, film.reach(), cover)?;
+    let ghosts = FilmGhosts::new(lens, &surfaces, body.film_side.z, film.reach(), cover)?;
     let [pairs, surveyed] = [ghosts.count(), ghosts.surveyed()];
     let alike = percent(ghosts.alike());
     let rays = GhostRays::new(setup.ghosts, ghosts, rear, body);

@@ -34,8 +34,7 @@ pub fn compile(
         Tracing::Refracted(_, Precision::F64) => Arc::new(WalkTracer::new(path.clone(), lens, body)),
         Tracing::Refracted(refraction, Precision::F32) => {
             let single = Path::<f32>::new(lens, Direction::FilmToScene, *refraction);
-            let blades = path.blades().map(|(_, blades)| blades);
-            Arc::new(WalkTracer::new(single.with_blades(lens, blades), lens, body))
+            Arc::new(WalkTracer::new(single.with_apertures(lens), lens, body))
         }
     }
 }

@@ -293,8 +293,10 @@ fn blocking(task: &Task<'_>, rays: &EvaluationRays, exact: &RayBuffer<f64>) -> V
             counts[last + 1 - walk.surfaces_met].0 += 1;
         }
     }
-    // The aperture of the front surface is always tested.
-    counts.remove(0);
+    // The clear aperture of the front surface is always tested.
+    if task.lens.front().apertures.is_empty() {
+        counts.remove(0);
+    }
     counts.sort_unstable();
     let mut overlooked = OVERLOOKED * rays.len() as f64;
     if retraced == most {

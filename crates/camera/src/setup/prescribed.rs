@@ -44,8 +44,6 @@ pub struct Setup {
     pub media: Vec<Medium>,
     /// Absorption of each medium; `None` if it is not known.
     pub transmittances: Vec<Option<Arc<InternalTransmittance>>>,
-    /// The blades in the stop; `None` for a round stop.
-    pub blades: Option<Blades>,
     pub refraction: Refraction,
     pub pupil: Pupil,
     pub mapping: DiskMapping,
@@ -84,7 +82,8 @@ impl Setup {
             place_film(&in_use.optics, film_position(given)?, focusing, log).map_err(with_units)?;
         // If the groups focus the lens, the distance in focus is the requested one.
         let focus_distance_mm = focus_distance(given)?.or(in_focus);
-        let OpenLens { lens, first_order, beam } = in_use.optics.lens.clone();
+        let OpenLens { mut lens, first_order, beam } = in_use.optics.lens.clone();
+        lens.set_blades(blades(given, prescription)?);
         check_reach(&lens, film_distance, units.mm)?;
         let facts = Facts { lens, first_order, beam, film, film_distance, focus_distance_mm };
         let is_given = given.film_distance.is_some();
@@ -99,7 +98,6 @@ impl Setup {
             shared,
             transmittances: prescription.transmittances(),
             media: prescription.interfaces.iter().map(|interface| interface.medium).collect(),
-            blades: blades(given, prescription)?,
             refraction: given.refraction(),
             pupil: given.pupil(),
             mapping: disk_mapping(given, host)?,
@@ -129,7 +127,7 @@ impl Setup {
 pub fn blades(given: &Parameters, prescription: &Prescription) -> Result<Option<Blades>, CameraError> {
     let (rotation, curvature) = (given.blade_rotation()?, given.blade_curvature()?);
     let count = match given.blades()? {
-        None => prescription.blades.map_or(0, |blades| blades.count),
+        None => prescription.blades().map_or(0, |blades| blades.count),
         Some(0.0) => 0,
         Some(number) => {
             let count = Blades::COUNTS.clone().find(|count| f64::from(*count) == number);
@@ -148,7 +146,7 @@ pub fn blades(given: &Parameters, prescription: &Prescription) -> Result<Option<
     if prescription.stop_in_air().is_none() {
         return Err(CameraError::NoStopForBlades { lens: prescription.name.clone() });
     }
-    let own = prescription.blades.unwrap_or(Blades { count, rotation: 0.0, curvature: 0.0 });
+    let own = prescription.blades().unwrap_or(Blades { count, rotation: 0.0, curvature: 0.0 });
     Ok(Some(Blades {
         count,
         rotation: rotation.unwrap_or(own.rotation),

@@ -1,47 +1,99 @@
 //! Film irradiance for unit radiance, by brute force: E(x') = ∫ cos⁴θ' d(slope)² over the rays that get through (Kolb,
 //! Mitchell and Hanrahan 1995, eq. 2, with dA''/Z² = d(slope)²).
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 use crate::{
     lens::{cos4, film_ray, pupil::SlopeDisk},
     trace::{Path, Real},
 };
-use realistic_base::numeric::{edge, gauss_legendre};
+use realistic_base::numeric::edge;
 
-/// Returns the irradiance on the axis for a film at `film`, exact except for rounding. Seen from the axis the pupil is
-/// a disk or annuli, whose edges are found along one radius, up to a slope of `reach`. With blades, the edges are found
-/// along several radii, from the direction of a corner to that of the middle of an edge.
+/// Returns the irradiance on the axis for a film at `film`. Seen from the axis the pupil of clear apertures is a disk or
+/// annuli, whose edges are found along one radius, up to a slope of `reach`; the result is then exact except for
+/// rounding. Other apertures and obstructions are tested along many radii, with a relative error below 1e-5.
 pub fn on_axis<R: Real>(path: &Path<R>, film: f64, reach: f64) -> f64 {
-    let Some((_, blades)) = path.blades() else {
-        return along_radius(path, film, reach, 0.0);
-    };
-    let from = blades.rotation.to_radians();
-    let sector = PI / f64::from(blades.count);
-    let radii = gauss_legendre();
-    radii.iter().map(|(at, share)| share * along_radius(path, film, reach, from + at * sector)).sum()
+    let clear = path.clone().without_apertures();
+    let annuli = open_annuli(&clear, film, reach);
+    if path.has_apertures() {
+        return annuli.iter().map(|annulus| through_apertures(path, &clear, film, *annulus)).sum();
+    }
+    annuli.iter().map(|[from, to]| disk(*to) - disk(*from)).sum()
 }
 
-/// Returns the irradiance on the axis for a rotationally symmetric pupil whose profile is that of the actual pupil
-/// along the direction `azimuth`, in radians.
-fn along_radius<R: Real>(path: &Path<R>, film: f64, reach: f64, azimuth: f64) -> f64 {
+/// Returns ∫ cos⁴ d(slope)² over a disk of slopes.
+fn disk(slope: f64) -> f64 {
+    PI * slope * slope / (1.0 + slope * slope)
+}
+
+/// Returns the intervals of slopes at which rays from the axis get through.
+fn open_annuli<R: Real>(path: &Path<R>, film: f64, reach: f64) -> Vec<[f64; 2]> {
     const SCAN: u32 = 512;
-    let (sine, cosine) = azimuth.sin_cos();
-    let passes = |slope: f64| path.trace(film_ray([0.0; 2], film, [slope * cosine, slope * sine])).is_ok();
-    // ∫ cos⁴ d(slope)² over a disk.
-    let disk = |slope: f64| PI * slope * slope / (1.0 + slope * slope);
+    let passes = |slope: f64| path.trace(film_ray([0.0; 2], film, [slope, 0.0])).is_ok();
     let at = |i: u32| reach * f64::from(i) / f64::from(SCAN);
-    let mut total = 0.0;
     let mut open = passes(0.0);
+    let mut annuli = Vec::new();
+    let mut start = 0.0;
     for i in 1..=SCAN {
         let (from, to) = (at(i - 1), at(i));
         if passes(to) != open {
-            let boundary = disk(edge(from, to, 0.0, |slope| passes(slope) == open));
-            total += if open { boundary } else { -boundary };
-            open = !open;
+            let boundary = edge(from, to, 0.0, |slope| passes(slope) == open);
+            if open {
+                annuli.push([start, boundary]);
+            }
+            (start, open) = (boundary, !open);
         }
     }
-    if open { total + disk(reach) } else { total }
+    if open {
+        annuli.push([start, reach]);
+    }
+    annuli
+}
+
+/// Returns the irradiance on the axis through the apertures of `path` for slopes in one annulus, in which all rays pass
+/// `clear`, the same path without the apertures.
+///
+/// Rays from the axis stay in a plane with the axis: their distances from the axis at each surface, which are linearly
+/// interpolated between traced rays, hold at every azimuth.
+fn through_apertures<R: Real>(path: &Path<R>, clear: &Path<R>, film: f64, [from, to]: [f64; 2]) -> f64 {
+    const SCAN: u32 = 256;
+    const AZIMUTHS: u32 = 1440;
+    let shaped: Vec<usize> =
+        (0..path.surfaces()).filter(|&step| !path.steps()[step].apertures.is_empty()).collect();
+    let slope = |place: f64| from + (to - from) * place / f64::from(SCAN);
+    // The distance from the axis at each surface that has apertures.
+    let traced = |i: u32| {
+        let mut distances = vec![0.0; path.surfaces()];
+        let ray = film_ray([0.0; 2], film, [slope(f64::from(i)), 0.0]);
+        clear.walk_by(ray, |step, [x, ..]| distances[step] = x);
+        distances
+    };
+    let rays: Vec<Vec<f64>> = (0..=SCAN).map(traced).collect();
+    let lit = |azimuth: f64| {
+        let (sine, cosine) = azimuth.sin_cos();
+        let passes = |place: f64| {
+            let first = (place as usize).min(SCAN as usize - 1);
+            let share = place - first as f64;
+            shaped.iter().all(|&step| {
+                let distance = rays[first][step] * (1.0 - share) + rays[first + 1][step] * share;
+                let point = [distance * cosine, distance * sine].map(R::from_f64);
+                path.steps()[step].apertures.iter().all(|aperture| aperture.passes(point))
+            })
+        };
+        let mut open = passes(0.0);
+        let mut total = if open { -disk(from) } else { 0.0 };
+        for i in 1..=SCAN {
+            if passes(f64::from(i)) != open {
+                let boundary = edge(f64::from(i - 1), f64::from(i), 1e-9, |place| passes(place) == open);
+                let inside = disk(slope(boundary));
+                total += if open { inside } else { -inside };
+                open = !open;
+            }
+        }
+        if open { total + disk(to) } else { total }
+    };
+    let azimuth = |i: u32| (f64::from(i) + 0.5) * TAU / f64::from(AZIMUTHS);
+    (0..AZIMUTHS).map(|i| lit(azimuth(i))).sum::<f64>() / f64::from(AZIMUTHS)
 }
 
 /// Results of tracing a grid of rays over a disk of slopes at one film point.

@@ -3,11 +3,13 @@
 //! A prescription and a wavelength are converted to vertices, curvatures, figures, refractive indices and clear
 //! apertures in lens space. All modules that build on [`crate::lens`] use these values and not the glasses.
 
+use std::sync::Arc;
+
 use thiserror::Error;
 
 use super::figure::Figure;
 use crate::prescription::{
-    Prescription, Shape,
+    Aperture, Blades, Prescription, Shape,
     glass::{D_LINE, refractive_index},
 };
 use realistic_base::{
@@ -16,7 +18,7 @@ use realistic_base::{
 };
 
 /// One surface of a lens at a given wavelength.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
     /// The z coordinate of the vertex in lens space, mm; 0 for the first surface.
     pub vertex: f64,
@@ -41,6 +43,9 @@ pub struct Surface {
     pub semi_diameter: f64,
     /// Whether this is the aperture stop.
     pub is_stop: bool,
+    /// Apertures and obstructions inside the clear aperture, with lengths in clear semi-diameters. First-order optics, focusing, beams on the axis and the
+    /// tables of pupils use the clear aperture alone, which contains them; rays are tested against them.
+    pub apertures: Arc<[Aperture]>,
     /// Whether the surface touches the surface before it on the scene's side, not counting planes that only limit rays.
     /// With rounded radii and thicknesses the two surfaces may overlap a little; rays then intersect this surface
     /// slightly behind the other ([`Crossing`]).
@@ -231,6 +236,11 @@ impl Lens {
                     absorption: transmittance.map_or(0.0, |own| own.coefficient(wavelength)),
                     semi_diameter: interface.semi_diameter,
                     is_stop: interface.is_stop,
+                    apertures: interface
+                        .apertures
+                        .iter()
+                        .map(|aperture| aperture.scaled(interface.semi_diameter.recip()))
+                        .collect(),
                     is_contact: false,
                 };
                 vertex -= interface.thickness;
@@ -268,6 +278,21 @@ impl Lens {
     /// Returns the surface nearest the scene.
     pub fn front(&self) -> &Surface {
         self.surfaces.first().expect("a lens has at least one surface")
+    }
+
+    /// Sets or removes the blades of the stop, if the lens has a stop; its other apertures stay.
+    pub fn set_blades(&mut self, blades: Option<Blades>) {
+        if let Some(stop) = self.stop_index() {
+            Aperture::set_blades(&mut self.surfaces[stop].apertures, blades);
+        }
+    }
+
+    /// Returns the lens with clear apertures alone.
+    #[must_use]
+    pub fn without_apertures(&self) -> Self {
+        let mut lens = self.clone();
+        lens.surfaces.iter_mut().for_each(|surface| surface.apertures = Arc::default());
+        lens
     }
 
     /// Returns the pairs of neighbouring surfaces that overlap, in order from the scene.

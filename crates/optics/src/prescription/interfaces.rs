@@ -9,6 +9,7 @@
 use std::{ops::Range, sync::Arc};
 
 use super::{
+    aperture::Aperture,
     blades::Blades,
     coating::SurfaceCoating,
     findings::Finding,
@@ -99,7 +100,7 @@ impl Shape {
 }
 
 /// One interface of a lens: a row of the table.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Interface {
     /// The figure of the interface.
     pub shape: Shape,
@@ -116,6 +117,8 @@ pub struct Interface {
     pub semi_diameter: f64,
     /// Whether this is the aperture stop; at most one interface of a lens is the stop.
     pub is_stop: bool,
+    /// Apertures and obstructions inside the clear aperture, with lengths in mm.
+    pub apertures: Arc<[Aperture]>,
 }
 
 /// Returns whether each interface, scene side first, has air on one side and glass on the other, as coated surfaces do.
@@ -162,8 +165,6 @@ pub struct Prescription {
     /// The wavelength for which the file describes the lens, nm, if the file states one. The lens is traced at this
     /// wavelength unless the user sets another, and its glasses have indices there.
     pub wavelength: Option<f64>,
-    /// The blades of the stop, if the file has them; otherwise the stop is round.
-    pub blades: Option<Blades>,
     /// The coatings of the interfaces, one for each, if the file has any. Interfaces for which the file gives no
     /// coating are bare, as are cemented interfaces.
     pub coatings: Option<Vec<SurfaceCoating>>,
@@ -189,7 +190,6 @@ impl Prescription {
             stated: Stated::default(),
             glasses: Vec::new(),
             wavelength: None,
-            blades: None,
             coatings: None,
             positions: None,
             remarks: Vec::new(),
@@ -228,6 +228,18 @@ impl Prescription {
         })
     }
 
+    /// Returns the blades of the stop, if it has any.
+    pub fn blades(&self) -> Option<Blades> {
+        self.interfaces[self.stop_index()?].apertures.iter().find_map(Aperture::blades)
+    }
+
+    /// Sets or removes the blades of the stop, if the lens has a stop; its other apertures stay.
+    pub fn set_blades(&mut self, blades: Option<Blades>) {
+        if let Some(stop) = self.stop_index() {
+            Aperture::set_blades(&mut self.interfaces[stop].apertures, blades);
+        }
+    }
+
     /// Returns the lens with other gaps, mm, behind the rows `rows`. The gap of the last row, before the film, is not
     /// part of the lens and stays unchanged.
     pub fn with_gaps(&self, rows: &[usize], gaps: &[f64]) -> Self {
@@ -245,6 +257,8 @@ impl Prescription {
         for interface in &mut scaled.interfaces {
             interface.thickness *= factor;
             interface.semi_diameter *= factor;
+            interface.apertures =
+                interface.apertures.iter().map(|aperture| aperture.scaled(factor)).collect();
             match &mut interface.shape {
                 Shape::Sphere { radius } => *radius *= factor,
                 Shape::Asphere(asphere) => *asphere = asphere.scaled(factor),

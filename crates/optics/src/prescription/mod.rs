@@ -14,6 +14,7 @@
 //! it. No real lens comes near these limits, and a file from elsewhere must not keep the program busy. Every reader
 //! reports an error in a file as [`LensFileError`], with its location.
 
+mod aperture;
 mod blades;
 pub mod catalogue;
 mod coating;
@@ -27,6 +28,7 @@ mod wavelength;
 
 use thiserror::Error;
 
+pub use aperture::{Aperture, MAX_VERTICES, Outline};
 pub use blades::{BladeConstants, Blades};
 pub use coating::{AirSide, Coating, Layer, STACK, SurfaceCoating};
 pub use findings::{Fate, Finding};

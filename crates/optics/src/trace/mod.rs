@@ -11,7 +11,7 @@
 //! 2. The ray meets a sphere or plane of curvature c at P + t V, where t = 2 f/(g + e). Here f = (c/2) P·P - z and
 //!    g = N·V at P, and e = √(g² - 2 c n² f) = n cos I at the hit (`surface`). The hit on an aspheric surface is found
 //!    by Newton's iteration, with a proof that it is the first crossing (`aspheric`).
-//! 3. The point is tested against the clear aperture and, in the stop, against the figure of the blades (`surface`).
+//! 3. The point is tested against the clear aperture (`surface`) and the apertures and obstructions in it (`aperture`).
 //! 4. V is refracted by Snell's law: V' = V + (e' - e) N, where N is the unit normal, n' the index behind the surface,
 //!    and e' = √(e² + n'² - n²) = n' cos I' (W. J. Smith, *Modern Optical Engineering*). A negative number under the
 //!    root means total reflection.
@@ -21,13 +21,15 @@
 
 use thiserror::Error;
 
+mod aperture;
 mod aspheric;
 mod path;
 mod surface;
 
+pub use aperture::{ApertureTest, ConvexTest, Edge, OutlineTest};
 pub use aspheric::{Aspheric, BendBound};
 pub use path::{Direction, FoldedPaths, Meeting, Path, StepKind, Walk};
-pub use surface::{PathSurface, StopFigure};
+pub use surface::PathSurface;
 
 pub use crate::lens::Ray;
 pub use realistic_base::numeric::Real;

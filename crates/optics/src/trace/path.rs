@@ -6,14 +6,8 @@ use std::{
     sync::Arc,
 };
 
-use super::{
-    Blocked, State,
-    surface::{PathSurface, StopFigure},
-};
-use crate::{
-    lens::{Lens, Ray, refraction::Refraction},
-    prescription::Blades,
-};
+use super::{Blocked, State, aperture::ApertureTest, surface::PathSurface};
+use crate::lens::{Lens, Ray, refraction::Refraction};
 use realistic_base::numeric::{Real, cross, difference_of_products, dot, in_range, unit};
 
 /// Direction of travel.
@@ -186,35 +180,40 @@ impl<R: Real> Path<R> {
         Self { steps, direction, refraction, entry, exit }
     }
 
-    /// Returns the same path with blades in the stop, if the lens has a stop. `lens` is the lens of the path.
+    /// Returns the same path with the tests of the apertures and obstructions of `lens`, which is the lens of the
+    /// path.
     #[must_use]
-    pub fn with_blades(mut self, lens: &Lens, blades: Option<Blades>) -> Self {
-        if let (Some(blades), Some(stop)) = (blades, lens.stop_index()) {
-            let along = match self.direction {
-                Direction::FilmToScene => lens.surfaces.len() - 1 - stop,
-                Direction::SceneToFilm => stop,
+    pub fn with_apertures(mut self, lens: &Lens) -> Self {
+        let last = lens.surfaces.len() - 1;
+        for step in &mut self.steps {
+            let surface = match self.direction {
+                Direction::FilmToScene => &lens.surfaces[last - step.along],
+                Direction::SceneToFilm => &lens.surfaces[step.along],
             };
-            for step in self.steps.iter_mut().filter(|step| step.along == along) {
-                step.blades = Some(Arc::new(StopFigure::new(blades, lens.surfaces[stop].semi_diameter)));
-            }
+            let test = |aperture| ApertureTest::new(aperture, surface.semi_diameter);
+            step.apertures = surface.apertures.iter().map(test).collect();
         }
         self
     }
 
-    /// Returns the same path without blades, for searches of the edge of a pupil. The figure of the blades lies inside
-    /// the circle of the stop.
+    /// Returns the same path with clear apertures alone, for searches of the edge of a pupil.
     #[must_use]
-    pub fn without_blades(mut self) -> Self {
-        self.steps.iter_mut().for_each(|step| step.blades = None);
+    pub fn without_apertures(mut self) -> Self {
+        self.steps.iter_mut().for_each(|step| step.apertures = Arc::default());
         self
     }
 
-    /// Returns the same path without blades and without apertures that could block a ray.
+    /// Returns the same path without any test that could clip a ray.
     #[must_use]
     pub fn without_edges(self) -> Self {
-        let mut path = self.without_blades();
+        let mut path = self.without_apertures();
         path.steps.iter_mut().for_each(|step| step.aperture = R::from_f64(f64::INFINITY));
         path
+    }
+
+    /// Whether the path tests apertures or obstructions other than clear apertures.
+    pub fn has_apertures(&self) -> bool {
+        self.steps.iter().any(|step| !step.apertures.is_empty())
     }
 
     /// Returns the same path up to and including its first mirror; `None` if the path has no mirror.
@@ -224,13 +223,6 @@ impl<R: Real> Path<R> {
         let length: f64 = steps.iter().map(|step| step.distance.to_f64()).sum();
         let exit = self.entry + self.travel_sign() * length;
         Some(Self { steps, exit, ..*self })
-    }
-
-    /// Returns the blades and the index of the surface that has them, counted along the path; `None` if the path has no
-    /// blades.
-    pub fn blades(&self) -> Option<(usize, Blades)> {
-        let blades = |step: &PathSurface<R>| step.blades.as_ref().map(|figure| figure.blades);
-        self.steps.iter().enumerate().find_map(|(along, step)| Some((along, blades(step)?)))
     }
 
     /// Estimates the time for a ray, in units of the time for a sphere or plane. An asphere usually takes ten times as
@@ -562,15 +554,14 @@ pub struct FoldedPaths {
 }
 
 impl FoldedPaths {
-    /// Prepares `lens`, with blades in its stop, for rays in `direction`.
-    pub fn new(lens: &Lens, direction: Direction, refraction: Refraction, blades: Option<Blades>) -> Self {
-        let direct = Path::new(lens, direction, refraction).with_blades(lens, blades);
+    /// Prepares `lens`, with its apertures and obstructions, for rays in `direction`.
+    pub fn new(lens: &Lens, direction: Direction, refraction: Refraction) -> Self {
+        let direct = Path::new(lens, direction, refraction).with_apertures(lens);
         let count = lens.surfaces.len();
         // A path with mirrors at both ends meets the surfaces from one mirror to the other backward.
         let mut back = direct.steps.clone();
         if count > 1 {
-            let folded =
-                Path::reflected(lens, direction, refraction, [0, count - 1]).with_blades(lens, blades);
+            let folded = Path::reflected(lens, direction, refraction, [0, count - 1]).with_apertures(lens);
             for step in folded.steps.into_iter().filter(|step| step.is_backward) {
                 let along = step.along;
                 back[along] = step;

@@ -10,13 +10,10 @@
 
 use std::sync::Arc;
 
-use super::{Blocked, State, aspheric::Aspheric};
-use crate::{
-    lens::{
-        Surface,
-        refraction::{self, Refraction},
-    },
-    prescription::{BladeConstants, Blades},
+use super::{Blocked, State, aperture::ApertureTest, aspheric::Aspheric};
+use crate::lens::{
+    Surface,
+    refraction::{self, Refraction},
 };
 use realistic_base::numeric::{Real, dot};
 
@@ -50,8 +47,8 @@ pub struct PathSurface<R> {
     pub index_step: R,
     /// Square of the clear semi-diameter.
     pub aperture: R,
-    /// The figure that the blades of a stop leave open, inside the clear aperture.
-    pub blades: Option<Arc<StopFigure<R>>>,
+    /// The tests of the apertures and obstructions inside the clear aperture.
+    pub apertures: Arc<[ApertureTest<R>]>,
     /// Distance, in units of V, by which a hit may lie behind the ray's last surface through rounding alone. The
     /// distance is unbounded where the two surfaces touch, because they may then overlap slightly. It is unused for a
     /// plane that only limits rays. If such a plane lies inside its neighbour's bulge, the straight line of the ray
@@ -88,7 +85,7 @@ impl<R: Real> PathSurface<R> {
             n_after: R::from_f64(n_after),
             index_step,
             aperture: R::from_f64(semi_diameter) * R::from_f64(semi_diameter),
-            blades: None,
+            apertures: Arc::default(),
             slack: R::from_f64(slack),
         }
     }
@@ -163,9 +160,7 @@ impl<R: Real> PathSurface<R> {
     #[inline(always)]
     pub fn pass(&self, state: &mut State<R>, method: Refraction) -> Result<(), Blocked> {
         let [x, y, _] = state.p;
-        if !(x * x + y * y <= self.aperture)
-            || self.blades.as_ref().is_some_and(|figure| !figure.passes([x, y]))
-        {
+        if !(x * x + y * y <= self.aperture && self.apertures.iter().all(|test| test.passes([x, y]))) {
             return Err(Blocked::Clipped);
         }
         self.refract(state, method)
@@ -214,44 +209,5 @@ impl<R: Real> PathSurface<R> {
         }
         *v = after.map(|d| d * self.n_after);
         Ok(())
-    }
-}
-
-/// The figure that the blades leave open in a stop of one size, in numbers of type `R`.
-///
-/// Let m be the largest dot product of the point p with a normal. Then p is inside if `bulge` p² + `slant` m w <=
-/// `limit` w². Here w is 1, or the factor by which p was multiplied to avoid a division.
-#[derive(Clone, Debug)]
-pub struct StopFigure<R> {
-    /// The blades, for a stop of any size.
-    pub blades: Blades,
-    /// Unit vectors that point from the axis to the middle of each edge.
-    pub normals: Box<[[R; 2]]>,
-    /// Factor of p² in the inequality; 0 for straight edges.
-    pub bulge: R,
-    /// Factor of m in the inequality, mm.
-    pub slant: R,
-    /// Upper bound of the sum in the inequality, mm².
-    pub limit: R,
-}
-
-impl<R: Real> StopFigure<R> {
-    /// Returns the figure for a stop of the given clear semi-diameter, mm.
-    pub fn new(blades: Blades, semi_diameter: f64) -> Self {
-        let BladeConstants { bulge, slant, limit } = blades.constants();
-        Self {
-            blades,
-            normals: blades.normals().map(|normal| normal.map(R::from_f64)).collect(),
-            bulge: R::from_f64(bulge),
-            slant: R::from_f64(slant * semi_diameter),
-            limit: R::from_f64(limit * semi_diameter * semi_diameter),
-        }
-    }
-
-    /// Returns whether the figure contains a point; false for NaN.
-    pub fn passes(&self, [x, y]: [R; 2]) -> bool {
-        let products = self.normals.iter().map(|[nx, ny]| *nx * x + *ny * y);
-        let most = products.reduce(|most, product| if product > most { product } else { most });
-        self.bulge * (x * x + y * y) + self.slant * most.unwrap_or(R::ZERO) <= self.limit
     }
 }

@@ -12,7 +12,7 @@
 //! Modules in order: `surface` collects the data of each surface, with the facts that the shapes of its neighbours
 //! prove; `table` converts each surface to a step, within the growth of rounding errors that `rounding` allows;
 //! `ray_arrays` loads a caller's rays into vectors of lanes; `trace` takes a `group` of vectors through the steps, each
-//! of which is a method in `ray_lanes` or, for aspheres, in `asphere`; `carried` is the data that rays carry along,
+//! of which is a method in `ray_lanes` or, for aspheres, in `asphere`, and tests shaped apertures by `outline`; `carried` is the data that rays carry along,
 //! such as the media at each ray's own wavelength (`dispersion`); `instances` compiles all of this for each instruction
 //! set in `simd`. `clearance` runs the same loop for searches, and measures how near rays come to the edges of
 //! `apertures`.
@@ -79,6 +79,7 @@ mod dispersion;
 mod group;
 #[allow(unsafe_code)]
 mod instances;
+mod outline;
 mod ray_arrays;
 mod ray_lanes;
 mod rounding;
@@ -91,7 +92,7 @@ pub use dispersion::Own;
 pub use instances::KernelScalar;
 pub use ray_arrays::{LensRays, PlaneRays, RayBuffer, Traced};
 
-pub(crate) use self::{asphere::Profile, ray_arrays::trace_array, ray_lanes::power};
+pub(crate) use self::{asphere::Profile, outline::sides, ray_arrays::trace_array};
 pub use self::{
     carried::Carried,
     group::Group,

@@ -13,11 +13,11 @@
 use super::{
     apertures::{Apertures, Blocking},
     dispersion::Media,
+    outline,
     surface::Transfer,
-    table::{ApertureTest, BladedStop, Link, Mirror, Plane, Sphere, Step, Stop, Table},
+    table::{ClearTest, Link, Mirror, Plane, ShapedAperture, Sphere, Step, Stop, Table},
 };
 use realistic_base::numeric::Real;
-use realistic_optics::trace::StopFigure;
 use realistic_simd::{Cpu, Lanes, Scalar};
 
 /// Rays ready for the first surface, in the frame of its vertex.
@@ -176,7 +176,10 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
                 let [crossing] = asphere.trace(cpu, &mut rays, [media], [minus_z], [lead]);
                 (rays[0], crossing)
             }
-            (Step::Link(_) | Step::Stop(_) | Step::Blades(_) | Step::Mirror(_) | Step::Renormalise(_), _) => {
+            (
+                Step::Link(_) | Step::Stop(_) | Step::Aperture(_) | Step::Mirror(_) | Step::Renormalise(_),
+                _,
+            ) => {
                 unreachable!("the first step meets the ray anywhere")
             }
         }
@@ -423,12 +426,12 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         (self.height, self.root) = (if PLAIN || sphere.carries_normal { normal_z } else { z }, after);
         self.keep_root(cpu, media.lesser(sphere.index_step < L::Scalar::ZERO, square, square_after));
         let (zero, test) = (L::Scalar::ZERO, sphere.aperture_test);
-        if let ApertureTest::NormalZ(least) = test {
+        if let ClearTest::NormalZ(least) = test {
             self.steep(cpu, normal_z, least, sphere.minus_c);
         } else {
             self.keep(L::splat(cpu, zero).less_equal(normal_z));
         }
-        if !PLAIN && let ApertureTest::Height(most) = test {
+        if !PLAIN && let ClearTest::Height(most) = test {
             self.meet_aperture(cpu, self.height_squared(), L::splat(cpu, most));
         }
         self.crossing([minus_c * self.x, minus_c * self.y, normal_z], None, [before, after], distance)
@@ -524,30 +527,14 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
 }
 
 impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
-    /// Tests the figure of a stop's blades by [`StopFigure`]'s inequality at P = z (Vx, Vy)/Vz + (x, y), multiplied by
-    /// Vz², with z the distance along the axis to the stop. The test neither moves the rays nor divides.
+    /// Tests a shaped aperture at P = z (Vx, Vy)/Vz + (x, y), multiplied by Vz, with z the distance along the axis to the
+    /// plane of the test. The test neither moves the rays nor divides.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn blades(&mut self, cpu: Cpu<L>, stop: &BladedStop<L::Scalar>) {
-        let ahead = self.minus_z(cpu, &stop.transfer);
+    pub fn aperture(&mut self, cpu: Cpu<L>, aperture: &ShapedAperture<L::Scalar>) {
+        let ahead = self.minus_z(cpu, &aperture.transfer);
         let x = ahead.mul_add(self.vx, self.x * self.vz);
         let y = ahead.mul_add(self.vy, self.y * self.vz);
-        let (power, limit) = power(cpu, &stop.figure, [x, y], self.vz);
+        let (power, limit) = outline::sides(cpu, &aperture.test, [x, y], self.vz);
         self.meet_aperture(cpu, power, limit);
     }
-}
-
-/// Returns the two sides of [`StopFigure`]'s inequality at points that were multiplied by `w`, positive.
-#[cfg_attr(not(debug_assertions), inline(always))]
-pub fn power<L: Lanes>(cpu: Cpu<L>, figure: &StopFigure<L::Scalar>, [x, y]: [L; 2], w: L) -> (L, L) {
-    // If there are three normals or more, the angle between at least one of them and the point is less than a right
-    // angle.
-    let mut most = L::splat(cpu, L::Scalar::ZERO);
-    for normal in &figure.normals {
-        let product = y.mul_add(L::splat(cpu, normal[1]), x * L::splat(cpu, normal[0]));
-        most = product.larger(most);
-    }
-    // The product is NaN if the point is NaN, even if the factor is 0.
-    let round = L::splat(cpu, figure.bulge) * y.mul_add(y, x * x);
-    let power = (most * w).mul_add(L::splat(cpu, figure.slant), round);
-    (power, (w * w) * L::splat(cpu, figure.limit))
 }

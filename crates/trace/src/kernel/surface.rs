@@ -10,7 +10,7 @@
 //! the mirror toward the side ahead, as it leaves any other surface. The proofs for the next surface and the
 //! intersection with it are thus the same as without a mirror, also for aspheres.
 
-use realistic_optics::trace::{Aspheric, PathSurface, StopFigure};
+use realistic_optics::trace::{ApertureTest, Aspheric, PathSurface};
 
 /// Largest |R|/n, in clear semi-diameters, of a strongly curved surface. Without the division, t has an error of the
 /// rounding unit times |R|/n, however near the surface is. This limit is the smallest at which the lenses of the
@@ -42,8 +42,8 @@ pub struct CompiledSurface<'a> {
     pub tests: Tests,
     /// Whether the surface reflects rays; then `index_step` is 0.
     pub is_mirror: bool,
-    /// The figure that blades leave open in the surface.
-    pub blades: Option<&'a StopFigure<f64>>,
+    /// The apertures and obstructions inside the clear aperture.
+    pub apertures: &'a [ApertureTest<f64>],
     /// Whether this is a plane that only limits rays: a test, which does not move the ray.
     pub is_still: bool,
     /// Whether this is a plane that only limits rays and is the first surface: the ray is moved to it, and the
@@ -107,7 +107,7 @@ pub fn surfaces(steps: &[PathSurface<f64>], travel_sign: f64, epsilon: f64) -> V
             distance,
             tests,
             is_mirror: step.is_mirror,
-            blades: step.blades.as_deref(),
+            apertures: &step.apertures,
             is_still,
             leads,
             is_led: is_led && !is_still,

@@ -10,12 +10,12 @@ use super::{
     rounding::{AxialStep, RoundingGrowth},
     surface::{CompiledSurface, Tests, Transfer, surfaces},
 };
-use realistic_optics::trace::{Aspheric, Direction, Path, StopFigure};
+use realistic_optics::trace::{ApertureTest, Aspheric, Direction, Path};
 use realistic_simd::Scalar;
 
-/// The aperture test of a sphere.
+/// The test of a sphere's clear aperture.
 #[derive(Clone, Copy, Debug)]
-pub enum ApertureTest<S> {
+pub enum ClearTest<S> {
     /// x² + y² <= a².
     Height(S),
     /// N_z >= sqrt(1 - c² a²), which also rejects the far hemisphere.
@@ -39,7 +39,7 @@ pub struct Sphere<S> {
     pub far: bool,
     /// Whether the ray carries N_z on, for a link; otherwise it carries z.
     pub carries_normal: bool,
-    pub aperture_test: ApertureTest<S>,
+    pub aperture_test: ClearTest<S>,
     pub tests: Tests,
     /// Distance by which a hit may lie behind the ray through rounding alone, in units of V.
     pub slack: S,
@@ -85,22 +85,12 @@ pub struct Stop<S> {
     pub aperture: S,
 }
 
-/// The figure that blades leave open in the plane of a stop, which only tests rays.
+/// A shaped aperture or obstruction, which only tests rays.
 #[derive(Clone, Debug)]
-pub struct BladedStop<S> {
+pub struct ShapedAperture<S> {
+    /// Transfer to the plane in which rays are tested. Rays that are already on the surface are tested there.
     pub transfer: Transfer<S>,
-    pub figure: StopFigure<S>,
-}
-
-impl<S: Scalar> BladedStop<S> {
-    /// Builds the figure of a path's stop; `transfer` leads to the stop.
-    pub fn new(figure: &StopFigure<f64>, transfer: Transfer<S>) -> Self {
-        let round = S::from_f64;
-        let StopFigure { blades, normals, bulge, slant, limit } = figure;
-        let normals = normals.iter().map(|normal| normal.map(round)).collect();
-        let [bulge, slant, limit] = [bulge, slant, limit].map(|number| round(*number));
-        Self { transfer, figure: StopFigure { blades: *blades, normals, bulge, slant, limit } }
-    }
+    pub test: ApertureTest<S>,
 }
 
 /// The step from one strongly curved sphere to the next.
@@ -120,7 +110,7 @@ pub struct Link<S> {
     /// 1/n².
     pub per_n2: S,
     pub per_cn2: S,
-    pub aperture_test: ApertureTest<S>,
+    pub aperture_test: ClearTest<S>,
     /// Whether Vz > 0 must be tested.
     pub forward: bool,
     /// Whether n' < n. Total reflection is then possible, and the test for it also covers every ray that misses the
@@ -139,8 +129,8 @@ pub enum Step<S> {
     Plane(Plane<S>),
     /// A round stop, which only tests rays.
     Stop(Stop<S>),
-    /// The figure of a stop with blades, which only tests rays.
-    Blades(BladedStop<S>),
+    /// An aperture or obstruction inside the clear aperture of a surface, which only tests rays.
+    Aperture(Box<ShapedAperture<S>>),
     /// A conic section of revolution.
     Conic(Conic<S>),
     /// Reflection at the sphere or plane to which the previous step has moved the rays.
@@ -154,7 +144,7 @@ pub enum Step<S> {
 impl<S> Step<S> {
     /// Whether this is the step of its surface at which rays are refracted.
     pub fn refracts(&self) -> bool {
-        !matches!(self, Self::Stop(_) | Self::Blades(_) | Self::Mirror(_) | Self::Renormalise(_))
+        !matches!(self, Self::Stop(_) | Self::Aperture(_) | Self::Mirror(_) | Self::Renormalise(_))
     }
 }
 
@@ -215,10 +205,8 @@ impl<S: Scalar> Table<S> {
         for (i, surface) in surfaces.iter().enumerate() {
             let transfer = transfer(last, surface.distance);
             if surface.is_still {
-                // A stop with blades also tests the circle: the figure lies inside it, but searches of edges use
-                // circles.
                 steps.push(Step::Stop(Stop { transfer, aperture: S::from_f64(surface.aperture) }));
-                steps.extend(surface.blades.map(|figure| Step::Blades(BladedStop::new(figure, transfer))));
+                steps.extend(shaped(surface.apertures, transfer));
                 numbers.resize(steps.len(), i);
                 continue;
             }
@@ -256,8 +244,8 @@ impl<S: Scalar> Table<S> {
                 steps.push(Step::Mirror(mirror(surface, carries_normal)));
             }
             last = Some((surface, carries_normal));
-            let here = self::transfer(last, 0.0);
-            steps.extend(surface.blades.map(|figure| Step::Blades(BladedStop::new(figure, here))));
+            let here = Transfer { factor: S::ZERO, offset: S::ZERO };
+            steps.extend(shaped(surface.apertures, here));
             numbers.resize(steps.len(), i);
         }
         let n = path.steps().last().map_or(1.0, |step| step.n_after);
@@ -354,12 +342,22 @@ fn transfer<S: Scalar>(last: Option<(&CompiledSurface<'_>, bool)>, distance: f64
     Transfer { factor: S::from_f64(factor), offset: S::from_f64(offset) }
 }
 
-fn aperture_test<S: Scalar>(surface: &CompiledSurface<'_>) -> ApertureTest<S> {
+/// Returns the steps of the apertures of a surface; `transfer` leads to the surface.
+fn shaped<S: Scalar>(
+    apertures: &[ApertureTest<f64>],
+    transfer: Transfer<S>,
+) -> impl Iterator<Item = Step<S>> {
+    apertures
+        .iter()
+        .map(move |test| Step::Aperture(Box::new(ShapedAperture { transfer, test: test.rounded() })))
+}
+
+fn aperture_test<S: Scalar>(surface: &CompiledSurface<'_>) -> ClearTest<S> {
     if surface.is_steep() {
         // Beyond the equator the sphere is not part of the surface.
-        ApertureTest::NormalZ(S::from_f64((1.0 - (surface.c * surface.semi).powi(2)).max(0.0).sqrt()))
+        ClearTest::NormalZ(S::from_f64((1.0 - (surface.c * surface.semi).powi(2)).max(0.0).sqrt()))
     } else {
-        ApertureTest::Height(S::from_f64(surface.aperture))
+        ClearTest::Height(S::from_f64(surface.aperture))
     }
 }
 
@@ -465,8 +463,8 @@ impl Link<f64> {
             per_n2: S::from_f64(self.per_n2),
             per_cn2: S::from_f64(self.per_cn2),
             aperture_test: match self.aperture_test {
-                ApertureTest::Height(limit) => ApertureTest::Height(S::from_f64(limit)),
-                ApertureTest::NormalZ(least) => ApertureTest::NormalZ(S::from_f64(least)),
+                ClearTest::Height(limit) => ClearTest::Height(S::from_f64(limit)),
+                ClearTest::NormalZ(least) => ClearTest::NormalZ(S::from_f64(least)),
             },
             forward: self.forward,
             rarer: self.rarer,

@@ -5,7 +5,7 @@ use super::{
     asphere::LaneAsphere,
     carried::Carried,
     ray_lanes::RayLanes,
-    table::{ApertureTest, Link, Step, Table},
+    table::{ClearTest, Link, Step, Table},
 };
 use realistic_base::numeric::Real;
 use realistic_simd::{Compiled, Cpu, Lanes};
@@ -90,16 +90,16 @@ fn trace_steps<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>, const U: usize>
                     }
                 }
                 match (link.aperture_test, link.rarer) {
-                    (ApertureTest::NormalZ(limit), false) => {
+                    (ClearTest::NormalZ(limit), false) => {
                         cross::<L, A, C, true, false>(cpu, link, carried, number, limit, rays, states)
                     }
-                    (ApertureTest::NormalZ(limit), true) => {
+                    (ClearTest::NormalZ(limit), true) => {
                         cross::<L, A, C, true, true>(cpu, link, carried, number, limit, rays, states)
                     }
-                    (ApertureTest::Height(limit), false) => {
+                    (ClearTest::Height(limit), false) => {
                         cross::<L, A, C, false, false>(cpu, link, carried, number, limit, rays, states)
                     }
-                    (ApertureTest::Height(limit), true) => {
+                    (ClearTest::Height(limit), true) => {
                         cross::<L, A, C, false, true>(cpu, link, carried, number, limit, rays, states)
                     }
                 }
@@ -109,9 +109,9 @@ fn trace_steps<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>, const U: usize>
                     ray.stop(cpu, stop);
                 }
             }
-            Step::Blades(stop) => {
+            Step::Aperture(aperture) => {
                 for ray in rays {
-                    ray.blades(cpu, stop);
+                    ray.aperture(cpu, aperture);
                 }
             }
             Step::Sphere(sphere) => {

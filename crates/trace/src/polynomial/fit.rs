@@ -1,6 +1,8 @@
 //! Fit of the polynomials to a lens. The coefficients are computed by linear least squares over rays from the film that
 //! get through.
 
+use std::sync::Arc;
+
 use thiserror::Error;
 
 use super::{
@@ -9,7 +11,7 @@ use super::{
 };
 use realistic_optics::{
     lens::{Lens, Ray, Surface},
-    prescription::Blades,
+    prescription::Aperture,
     trace::Path,
 };
 
@@ -53,8 +55,8 @@ pub struct Polynomial {
 pub(super) struct AperturePolynomial {
     /// E and F for each monomial.
     pub terms: Vec<[f64; 2]>,
-    /// The blades in the aperture.
-    pub blades: Option<Blades>,
+    /// The apertures and obstructions inside the clear aperture.
+    pub shapes: Arc<[Aperture]>,
 }
 
 impl Polynomial {
@@ -99,8 +101,8 @@ pub struct Fits {
     /// Equations for the points where those rays leave the lens, for their directions, and for the points where they
     /// pass each aperture.
     equations: LeastSquares,
-    /// The blades in each aperture.
-    apertures: Vec<Option<Blades>>,
+    /// The apertures and obstructions inside the clear aperture of each surface in `apertures`.
+    shapes: Vec<Arc<[Aperture]>>,
     /// The exponents of the monomials that have been added so far, in ascending total degree; each monomial has two
     /// columns.
     exponents: Vec<[usize; 3]>,
@@ -132,9 +134,6 @@ impl Fits {
             }
         }
         let scaling = Scaling::of(film, &inputs);
-        let blades_in = |aperture: usize| {
-            path.blades().filter(|(along, _)| aperture == last - along).map(|(_, blades)| blades)
-        };
         // A vector gives one equation for each of its two components.
         let origins = targets.iter().flat_map(|target: &Ray| [target.origin[0], target.origin[1]]);
         let directions = targets.iter().flat_map(|target| {
@@ -147,10 +146,10 @@ impl Fits {
         }));
         Self {
             scaling,
-            front: *lens.front(),
+            front: lens.front().clone(),
             variables: inputs.iter().map(|&(x, slopes)| scaling.variables(x, slopes)).collect(),
             equations: LeastSquares::new(sides),
-            apertures: apertures.iter().copied().map(blades_in).collect(),
+            shapes: apertures.iter().map(|&surface| lens.surfaces[surface].apertures.clone()).collect(),
             exponents: Vec::new(),
             degree: None,
         }
@@ -188,16 +187,16 @@ impl Fits {
             let [origin, direction] = [&solved[0], &solved[1]];
             [origin[at], origin[at + 1], direction[at], direction[at + 1]]
         });
-        let aperture = |(solved, blades): (&Vec<f64>, &Option<Blades>)| AperturePolynomial {
+        let aperture = |(solved, shapes): (&Vec<f64>, &Arc<[Aperture]>)| AperturePolynomial {
             terms: required.iter().map(column_of).map(|at| [solved[at], solved[at + 1]]).collect(),
-            blades: *blades,
+            shapes: shapes.clone(),
         };
         Ok(Polynomial {
             order,
             scaling: self.scaling,
             terms: terms.collect(),
-            front: self.front,
-            apertures: solved[2..].iter().zip(&self.apertures).map(aperture).collect(),
+            front: self.front.clone(),
+            apertures: solved[2..].iter().zip(&self.shapes).map(aperture).collect(),
         })
     }
 

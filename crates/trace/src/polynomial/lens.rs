@@ -10,9 +10,9 @@ use super::{
 };
 use crate::kernel::{
     Approach, Arrays, End, Grouping, KernelScalar, LensRays, Optics, PlaneRays, Profile, Start, Traced,
-    in_vectors, power, trace_array,
+    in_vectors, sides, trace_array,
 };
-use realistic_optics::trace::{Aspheric, StopFigure};
+use realistic_optics::trace::{ApertureTest, Aspheric};
 use realistic_simd::{Available, Cpu, Lanes};
 
 /// A lens as polynomials. It traces rays as a [`Kernel`](crate::kernel::Kernel) does, one or many with the same bits.
@@ -42,8 +42,8 @@ pub struct PolynomialLens<S> {
 struct FittedAperture<S> {
     /// E and F for each monomial.
     terms: Vec<[S; 2]>,
-    /// The figure that the blades leave open in the aperture, if it has blades.
-    figure: Option<StopFigure<S>>,
+    /// The tests of the apertures and obstructions inside the clear aperture.
+    shapes: Vec<ApertureTest<S>>,
 }
 
 impl<S: KernelScalar> PolynomialLens<S> {
@@ -57,9 +57,9 @@ impl<S: KernelScalar> PolynomialLens<S> {
             terms: terms.iter().map(|term| term.map(round)).collect(),
             apertures: apertures
                 .iter()
-                .map(|AperturePolynomial { terms, blades }| FittedAperture {
+                .map(|AperturePolynomial { terms, shapes }| FittedAperture {
                     terms: terms.iter().map(|term| term.map(round)).collect(),
-                    figure: blades.map(|blades| StopFigure::new(blades, 1.0)),
+                    shapes: shapes.iter().map(|shape| ApertureTest::new(shape, 1.0)).collect(),
                 })
                 .collect(),
             scaling: scaling.lane_scaling(),
@@ -116,17 +116,14 @@ impl<S: KernelScalar> PolynomialLens<S> {
         let (qx, qy) = (d.mul_add(px, c * x), d.mul_add(py, c * y));
         let height = oy.mul_add(oy, ox * ox);
         let mut passed = height.less_equal(L::splat(cpu, self.aperture));
-        for FittedAperture { terms, figure } in &self.apertures {
+        for FittedAperture { terms, shapes } in &self.apertures {
             let [[e, f]] = sum(cpu, terms, self.degree, &[[u, v, w]]);
             let (rx, ry) = (f.mul_add(px, e * x), f.mul_add(py, e * y));
-            let passes = match figure {
-                None => ry.mul_add(ry, rx * rx).less_equal(one),
-                Some(figure) => {
-                    let (power, limit) = power(cpu, figure, [rx, ry], one);
-                    power.less_equal(limit)
-                }
-            };
-            passed = L::both(passed, passes);
+            passed = L::both(passed, ry.mul_add(ry, rx * rx).less_equal(one));
+            for shape in shapes {
+                let (power, limit) = sides(cpu, shape, [rx, ry], one);
+                passed = L::both(passed, power.less_equal(limit));
+            }
         }
         let bent = L::splat(cpu, self.curvature) * height;
         let root = (L::splat(cpu, self.curvature).neg_mul_add(bent, one)).sqrt();

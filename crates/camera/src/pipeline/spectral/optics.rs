@@ -7,7 +7,7 @@ use realistic_light::SpectralPaths;
 use realistic_optics::{
     lens::{Lens, refraction::Refraction},
     prescription::{
-        Blades, Coating, Medium, SurfaceCoating,
+        Coating, Medium, SurfaceCoating,
         glass::{InternalTransmittance, refractive_index},
     },
     trace::{Direction, Path},
@@ -25,8 +25,6 @@ pub struct LensOfMedia {
     pub media: Vec<Medium>,
     /// Absorption of each medium; `None` if it is not known.
     pub transmittances: Vec<Option<Arc<InternalTransmittance>>>,
-    /// The blades in the stop; `None` for a round stop.
-    pub blades: Option<Blades>,
 }
 
 impl LensOfMedia {
@@ -49,7 +47,7 @@ impl LensOfMedia {
     /// Returns the path of rays from the film through the lens at a wavelength, nm.
     pub fn path(&self, wavelength: f64) -> Path {
         let lens = self.at(wavelength);
-        Path::new(&lens, Direction::FilmToScene, Refraction::Fused).with_blades(&lens, self.blades)
+        Path::new(&lens, Direction::FilmToScene, Refraction::Fused).with_apertures(&lens)
     }
 
     /// Returns the lens for rays traced one at a time, at wavelengths in a range, nm; without coatings the
@@ -69,7 +67,7 @@ impl LensOfMedia {
         };
         let bare = || vec![Coating::Bare.into(); largest.surfaces.len()];
         let coatings = coatings.map_or_else(bare, <[SurfaceCoating]>::to_vec);
-        SpectralPaths::new(&largest, self.blades, &coatings, Arc::new(medium))
+        SpectralPaths::new(&largest, &coatings, Arc::new(medium))
     }
 
     /// Returns the longest run of whole-number wavelengths, nm, at which every medium has a refractive index

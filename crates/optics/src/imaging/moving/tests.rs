@@ -9,6 +9,7 @@ use crate::prescription::{Interface, Medium, Position, Shape, read};
 fn thin(focal_length: f64) -> [Interface; 2] {
     let glass = Medium::Glass { n_d: 1.5, abbe: None };
     let surface = |radius: f64, medium| Interface {
+        apertures: std::sync::Arc::default(),
         shape: Shape::Sphere { radius },
         thickness: 0.0,
         medium,
@@ -32,8 +33,8 @@ fn known(gap: f64) -> [f64; 2] {
 /// Returns the two lenses with a position for each of `gaps`, whose film distance is the true back focus. If `near` is
 /// not empty, adds positions with the gaps `near` for objects at 500 mm, with the film unmoved.
 fn zoom(gaps: &[f64], near: &[f64]) -> Prescription {
-    let plane = Interface { shape: Shape::Plane, ..thin(F[0])[1] };
-    let stop = Interface { semi_diameter: 8.0, is_stop: true, ..plane };
+    let plane = Interface { shape: Shape::Plane, ..thin(F[0])[1].clone() };
+    let stop = Interface { semi_diameter: 8.0, is_stop: true, ..plane.clone() };
     let interfaces: Vec<Interface> = thin(F[0]).into_iter().chain([stop]).chain(thin(F[1])).collect();
     let column = |gap: f64, film: f64, object_distance: Option<f64>| Position {
         name: Some(format!("at {gap}")),

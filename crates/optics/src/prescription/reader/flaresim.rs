@@ -129,6 +129,7 @@ fn row(text: &Text<'_>, cells: &[Cell<'_>]) -> Result<(SurfaceRow, u32), LensFil
         behind: n_d.map_or(Medium::Air, |n_d| Medium::Glass { n_d, abbe }).into(),
         diameter: text.number(size, "a semi-aperture in mm")?,
         asphere: None,
+        apertures: Vec::new(),
     };
     Ok((row, layers))
 }

@@ -4,6 +4,7 @@
 use super::{ledger::Ledger, text::Location};
 use crate::prescription::{
     Fate, LensFileError, MAX_INTERFACES,
+    aperture::Aperture,
     interfaces::{Asphere, Glass, Interface, Medium, Shape, spans},
     positions::Positions,
 };
@@ -48,7 +49,7 @@ impl MediumBehind {
 }
 
 /// The values of a row. The medium in front of the row is not known yet.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct SurfaceRow {
     /// Signed radius, mm; infinite for a plane.
     pub radius: f64,
@@ -58,6 +59,8 @@ pub(super) struct SurfaceRow {
     pub diameter: f64,
     /// The aspheric figure, if the row has more than a radius. The radius of the figure is that of the row.
     pub asphere: Option<Asphere>,
+    /// Apertures and obstructions inside the clear aperture, with lengths in mm.
+    pub apertures: Vec<Aperture>,
 }
 
 /// A function that returns the error for a row's number, counted from 0, and the fault in that row.
@@ -144,7 +147,8 @@ pub(super) fn interfaces(
             stop = Some(number);
         }
         let thickness = row.thickness;
-        interfaces.push(Interface { shape, thickness, medium, glass, semi_diameter, is_stop });
+        let apertures = row.apertures.iter().cloned().collect();
+        interfaces.push(Interface { shape, thickness, medium, glass, semi_diameter, is_stop, apertures });
         in_front = medium;
     }
     in_order(&interfaces, at)?;

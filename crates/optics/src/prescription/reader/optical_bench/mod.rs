@@ -117,6 +117,7 @@ fn surface<'t>(
         },
         diameter: text.number(&diameter, "a clear diameter in mm")?,
         asphere: None,
+        apertures: Vec::new(),
     };
     Ok((thickness, surface))
 }

@@ -1,5 +1,5 @@
-//! The project's own table. [`lines`] splits the text into lines of words. [`glasses`], [`statements`], [`coatings`]
-//! and [`columns`] read the lines that begin with a keyword, and [`rows`] reads the other lines. `docs/lens-format.md`
+//! The project's own table. [`lines`] splits the text into lines of words. [`glasses`], [`statements`], [`apertures`],
+//! [`coatings`] and [`columns`] read the lines that begin with a keyword, and [`rows`] reads the other lines. `docs/lens-format.md`
 //! has the grammar.
 //!
 //! There are two kinds of table. **Four columns**, as in the assignment and in pbrt: every row has radius, thickness,
@@ -9,6 +9,7 @@
 //! second kind if any row has five values. In both kinds the last column has radii instead of diameters if a comment
 //! labels it as radii.
 
+mod apertures;
 mod coatings;
 mod columns;
 mod glasses;
@@ -39,7 +40,8 @@ pub(super) fn read(
     let glasses = Glasses::take(&mut lines, library)?;
     let aspheres = statements::aspheres(&mut lines)?;
     let stop = statements::stop(&mut lines)?;
-    let (blades_keyword, blades) = statements::blades(&mut lines)?.unzip();
+    let blades = statements::blades(&mut lines)?;
+    let apertures = apertures::take(&mut lines)?;
     let coatings = coatings::take(&mut lines)?;
     let wavelength = statements::wavelength(&mut lines)?;
     let columns = TableColumns::take(&mut lines)?;
@@ -60,6 +62,7 @@ pub(super) fn read(
         rows.iter_mut().for_each(|row| row.diameter *= 2.0);
     }
     statements::give_aspheres(&lines, &aspheres, &mut rows)?;
+    apertures::give(&lines, apertures, &mut rows)?;
     statements::make_stop(&lines, stop.as_ref(), &mut rows)?;
     let (positions, stated) = columns.read(&lines, &rows, &mut stated_focal_length)?;
     let at = |row: usize, message: &str| lines.error(&table[row][0], message);
@@ -67,20 +70,22 @@ pub(super) fn read(
     surface_rows::positions_in_order(&interfaces, positions.as_ref(), &at)?;
     let coatings = coatings::of_surfaces(&lines, &coatings, &interfaces)?;
     let back = std::mem::take(&mut interfaces.last_mut().expect("at least one row").thickness);
-    let lens = Prescription {
+    let mut lens = Prescription {
         title: lines.title.clone(),
         nominal_film_distance: (back > 0.0).then_some(back),
         stated_focal_length,
         stated,
         glasses: glasses.used(&lines)?,
         positions,
-        blades,
         coatings,
         wavelength: wavelength.as_ref().map(|(_, wavelength)| *wavelength),
         ..Prescription::new(interfaces)
     };
-    if let (Some(keyword), None) = (blades_keyword, lens.stop_in_air()) {
-        return Err(lines.error(&keyword, "blades stand in a stop in air, and the table has none"));
+    if let Some((keyword, blades)) = blades {
+        if lens.stop_in_air().is_none() {
+            return Err(lines.error(&keyword, "blades stand in a stop in air, and the table has none"));
+        }
+        lens.set_blades(Some(blades));
     }
     if let Some((word, wavelength)) = &wavelength {
         lens.check_wavelength(*wavelength).map_err(|why| lines.error(word, &why))?;
@@ -127,7 +132,7 @@ fn heading(lines: &Lines<'_>) -> Result<(), LensFileError> {
 /// Checks that no line begins with a misspelt keyword.
 fn misspelt_keyword(lines: &Lines<'_>) -> Result<(), LensFileError> {
     let keywords = || {
-        ["glass", "absorption", "asphere", "blades", "coating", "wavelength"]
+        ["glass", "absorption", "aperture", "asphere", "blades", "coating", "obstruction", "wavelength"]
             .into_iter()
             .chain(columns::KEYWORDS)
     };

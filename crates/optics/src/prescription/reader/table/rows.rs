@@ -42,6 +42,7 @@ pub(super) fn of_four(
         },
         diameter: lines.number(diameter, "a clear diameter in mm")?,
         asphere: None,
+        apertures: Vec::new(),
     })
 }
 
@@ -90,7 +91,7 @@ pub(super) fn of_five(
         word => lines.number(word, "a thickness in mm")?,
     };
     let diameter = lines.number(diameter, "a clear diameter in mm")?;
-    Ok(SurfaceRow { radius, role, thickness, behind, diameter, asphere: None })
+    Ok(SurfaceRow { radius, role, thickness, behind, diameter, asphere: None, apertures: Vec::new() })
 }
 
 fn behind(

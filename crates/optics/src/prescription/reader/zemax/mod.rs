@@ -5,12 +5,14 @@
 //! or in air, has the size that follows from the file's aperture.
 //!
 //! `blocks` splits the text into records. `general` reads the records of the whole lens, and `surface` reads the
-//! records of a block. `aperture` derives missing semi-diameters by paraxial rays. `statements` records the fate of
+//! records of a block. `aperture` derives missing semi-diameters by paraxial rays. `shapes` reads the apertures of
+//! surfaces. `statements` records the fate of
 //! every line.
 
 mod aperture;
 mod blocks;
 mod general;
+mod shapes;
 mod statements;
 mod surface;
 
@@ -438,6 +440,7 @@ fn surface_row(surfaces: &[ZemaxSurface], i: usize, thickness: f64) -> Option<Su
         behind: surface.behind,
         diameter: 2.0 * surface.semi_diameter?,
         asphere: surface.asphere.filter(|_| !is_plane),
+        apertures: surface.apertures.clone(),
     })
 }
 

@@ -1,12 +1,15 @@
-//! A surface of the file: reads its curvature, figure, glass, aperture and coating, and refuses unsupported surfaces.
+//! A surface of the file: reads its curvature, figure, glass and coating, and refuses unsupported surfaces.
 //!
 //! A coating is a name (`COAT NAME`). The file's program keeps the recipes in a separate file (COATING.DAT), which is
 //! not read. Names in the sample file of that program select the coatings here that have the same layers; other names
 //! are reported.
 
-use super::blocks::{Block, Record};
+use super::{
+    blocks::{Block, Record},
+    shapes,
+};
 use crate::prescription::{
-    Fate, LensFileError,
+    Aperture, Fate, LensFileError,
     coating::{Coating, SurfaceCoating},
     interfaces::{Asphere, AsphereTerms, FIRST_POWER, Interface, LAST_POWER, Medium, NO_TERMS, has_coating},
     reader::{
@@ -19,19 +22,22 @@ use crate::prescription::{
 use realistic_base::message::{cut, quoted};
 
 /// A surface, with lengths in the file's unit.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct ZemaxSurface {
     /// 1/R. The radius in `asphere` stays infinite.
     pub curvature: f64,
     pub asphere: Option<Asphere>,
     /// The medium behind the surface.
     pub behind: MediumBehind,
-    /// The semi-diameter in use: that of the aperture (`CLAP`) or, without one, that of `DIAM` unless it is 0.
+    /// The semi-diameter in use: that of the circle around the aperture or, without an aperture, that of `DIAM` unless it
+    /// is 0.
     pub semi_diameter: Option<f64>,
     /// The semi-diameter stated by `DIAM`.
     pub listed: Option<f64>,
-    /// The semi-diameter of the aperture.
+    /// The semi-diameter of the circle around the aperture.
     pub clip: Option<f64>,
+    /// Apertures and obstructions other than a circle about the axis.
+    pub apertures: Vec<Aperture>,
     /// Whether the file fixes the semi-diameter or states an aperture. Otherwise the file's program computed the
     /// semi-diameter from rays.
     pub is_fixed: bool,
@@ -67,8 +73,8 @@ pub(super) fn read(
     let floats = block.find("FLAP").is_some();
     // A floating aperture is as large as the semi-diameter of its surface.
     let by_float = semi_diameter.filter(|_| floats && is_listed_fixed);
-    let clip = aperture(text, block, semi_diameter, ledger)?.or(by_float);
-    let is_fixed = clip.is_some() || floats || is_listed_fixed;
+    let (clip, apertures) = shapes::read(text, block, [semi_diameter, by_float], ledger)?;
+    let is_fixed = clip.is_some() || !apertures.is_empty() || floats || is_listed_fixed;
     Ok(ZemaxSurface {
         curvature,
         asphere: (conic != 0.0 || terms != NO_TERMS).then_some(Asphere {
@@ -80,6 +86,7 @@ pub(super) fn read(
         semi_diameter: clip.or(semi_diameter),
         listed: semi_diameter,
         clip,
+        apertures,
         is_fixed,
         is_stop: block.find("STOP").inspect(|record| _ = record.values()).is_some(),
     })
@@ -176,70 +183,6 @@ fn terms(
         add(power, value, location)?;
     }
     Ok(terms)
-}
-
-/// Keywords of apertures that are not a circle about the axis, with descriptions of these apertures.
-const SHAPED: [(&str, &str); 9] = [
-    ("OBSC", "a round obscuration"),
-    ("SQAP", "a rectangular aperture"),
-    ("SQOB", "a rectangular obscuration"),
-    ("ELAP", "an elliptical aperture"),
-    ("ELOB", "an elliptical obscuration"),
-    ("SPID", "the vanes of a spider"),
-    ("USAP", "an aperture of the user's own"),
-    ("UDAP", "an aperture of the user's own"),
-    ("USOB", "an obscuration of the user's own"),
-];
-
-/// Returns the radius of the surface's round aperture, if the file states one separately from the semi-diameter.
-///
-/// # Errors
-/// The surface has an aperture of another shape, or the surface or its aperture is tilted or decentred. Rays traced
-/// without these features would be wrong.
-fn aperture(
-    text: &Text<'_>,
-    block: &Block<'_>,
-    semi_diameter: Option<f64>,
-    ledger: &mut Ledger<'_>,
-) -> Result<Option<f64>, LensFileError> {
-    let refuse = |record: &Record<'_>, what: &str| {
-        let key = record.key.text;
-        let values = record.values().iter().take(8).map(|value| value.text).collect::<Vec<_>>().join(" ");
-        let message = format!(
-            "surface {} has {what} ({}); only round apertures about the axis are traced: delete the line to trace the surface \
-             without it",
-            block.number,
-            cut(&format!("{key} {values}"))
-        );
-        Err(text.error(record.key.location, message))
-    };
-    let is_any = |record: &Record<'_>, from: usize| {
-        record.values().iter().skip(from).any(|value| value.number().is_none_or(|number| number != 0.0))
-    };
-    for record in &block.records {
-        let key = record.key.text;
-        let [first, second] = [0, 1].map(|value| record.number_if_any(value).unwrap_or(0.0));
-        match key {
-            "CLAP" | "FLAP" if first > 0.0 => return refuse(record, "an aperture with a hole"),
-            "OBSC" if second == 0.0 => {}
-            "SQAP" | "ELAP" if semi_diameter.is_some_and(|circle| first.min(second) >= circle) => {
-                let reason = format!(
-                    "an aperture ({key}) around that of the semi-diameter (DIAM); the latter is traced"
-                );
-                ledger.note(Fate::Replaced, record.key.location, key, Some(block.number), reason);
-            }
-            "OBDC" if is_any(record, 0) => return refuse(record, "a decentred aperture"),
-            // The first three values are the side, the order and a pickup; the decentring and the tilts follow.
-            "SCBD" if is_any(record, 3) => return refuse(record, "a tilt or decentring"),
-            _ => {
-                if let Some((_, what)) = SHAPED.iter().find(|(own, _)| *own == key) {
-                    return refuse(record, what);
-                }
-            }
-        }
-    }
-    let clip = block.find("CLAP").map(|record| record.number(text, 1)).transpose()?;
-    Ok(clip.filter(|clip| *clip != 0.0))
 }
 
 /// Checks the medium in front of the lens.

@@ -91,8 +91,8 @@ fn the_aperture_can_be_stated_in_four_ways() {
 
 #[test]
 fn other_figures_are_the_same_terms() {
-    let even = ok(LENS).interfaces[1];
-    let figure = |from: &str, to: &str| ok(&LENS.replace(from, to)).interfaces[1];
+    let even = ok(LENS).interfaces[1].clone();
+    let figure = |from: &str, to: &str| ok(&LENS.replace(from, to)).interfaces[1].clone();
     assert_eq!(
         figure(
             "TYPE EVENASPH\n  CURV -0.05\n  PARM 1 0\n  PARM 2 1e-5\n  PARM 8 2e-30",
