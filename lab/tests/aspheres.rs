@@ -80,15 +80,7 @@ fn a_ray_that_grazes_an_asphere_is_sound_or_blocked() {
             asphere.terms[power - FIRST_POWER] = *term;
         }
         let (shape, medium) = (Shape::Asphere(asphere), Medium::Air);
-        let row = Interface {
-            shape,
-            thickness: 0.0,
-            medium,
-            glass: None,
-            semi_diameter,
-            is_stop: false,
-            apertures: std::sync::Arc::default(),
-        };
+        let row = Interface::new(shape, 0.0, medium, semi_diameter);
         let lens = Lens::at_d_line(&Prescription::new(vec![row]));
         let near = |i: i32| Ray { origin, direction: [dx, dy, dz * (1.0 + 1e-5 * f64::from(i))] };
         let case =
@@ -120,15 +112,7 @@ fn half_ellipsoid(random: &mut Random, radius: f64, part: f64, direction: Direct
     let n_d = random.random_range(1.3..1.9);
     let medium = Medium::Glass { n_d, abbe: None };
     let shape = Shape::Asphere(asphere);
-    let rows = vec![Interface {
-        shape,
-        thickness: 0.0,
-        medium,
-        glass: None,
-        semi_diameter,
-        is_stop: false,
-        apertures: std::sync::Arc::default(),
-    }];
+    let rows = vec![Interface::new(shape, 0.0, medium, semi_diameter)];
     let mut lens = Lens::at_d_line(&Prescription { name: "half".to_owned(), ..Prescription::new(rows) });
     if direction == FilmToScene {
         (lens.surfaces[0].n_scene, lens.surfaces[0].n_film) = (n_d, 1.0);

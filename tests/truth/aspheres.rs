@@ -22,15 +22,7 @@ pub fn asphere(radius: f64, conic: f64, terms: &[(usize, f64)]) -> Asphere {
 pub fn lens(rows: &[(Shape, f64, f64, f64)]) -> Lens {
     let interface = |&(shape, thickness, n, semi_diameter): &(Shape, f64, f64, f64)| {
         let medium = if n == 1.0 { Medium::Air } else { Medium::Glass { n_d: n, abbe: None } };
-        Interface {
-            shape,
-            thickness,
-            medium,
-            glass: None,
-            semi_diameter,
-            is_stop: false,
-            apertures: std::sync::Arc::default(),
-        }
+        Interface::new(shape, thickness, medium, semi_diameter)
     };
     let interfaces = rows.iter().map(interface).collect();
     Lens::at_d_line(&Prescription { name: "aspheres".to_owned(), ..Prescription::new(interfaces) })

@@ -38,15 +38,7 @@ pub fn lens_of(name: &str, rows: &[Figured]) -> Lens {
         let medium = if n == 1.0 { Medium::Air } else { Medium::Glass { n_d: n, abbe: None } };
         let is_stop = shape == Shape::Plane && in_front == 1.0 && n == 1.0;
         in_front = n;
-        Interface {
-            shape,
-            thickness,
-            medium,
-            glass: None,
-            semi_diameter,
-            is_stop,
-            apertures: std::sync::Arc::default(),
-        }
+        Interface { is_stop, ..Interface::new(shape, thickness, medium, semi_diameter) }
     };
     let interfaces = rows.iter().map(interface).collect();
     Lens::at_d_line(&Prescription { name: name.to_owned(), ..Prescription::new(interfaces) })

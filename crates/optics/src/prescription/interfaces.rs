@@ -121,6 +121,21 @@ pub struct Interface {
     pub apertures: Arc<[Aperture]>,
 }
 
+impl Interface {
+    /// Returns an interface that is not the stop, with its clear aperture alone and a medium without a name.
+    pub fn new(shape: Shape, thickness: f64, medium: Medium, semi_diameter: f64) -> Self {
+        Self {
+            shape,
+            thickness,
+            medium,
+            glass: None,
+            semi_diameter,
+            is_stop: false,
+            apertures: Arc::default(),
+        }
+    }
+}
+
 /// Returns whether each interface, scene side first, has air on one side and glass on the other, as coated surfaces do.
 pub(super) fn has_coating(interfaces: &[Interface]) -> impl Iterator<Item = bool> {
     let mut in_front = Medium::Air;

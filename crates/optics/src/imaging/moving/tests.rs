@@ -8,16 +8,8 @@ use crate::prescription::{Interface, Medium, Position, Shape, read};
 /// Returns the two surfaces of a thin lens.
 fn thin(focal_length: f64) -> [Interface; 2] {
     let glass = Medium::Glass { n_d: 1.5, abbe: None };
-    let surface = |radius: f64, medium| Interface {
-        apertures: std::sync::Arc::default(),
-        shape: Shape::Sphere { radius },
-        thickness: 0.0,
-        medium,
-        glass: None,
-        // Surfaces this narrow touch; wider surfaces would cross.
-        semi_diameter: 0.2,
-        is_stop: false,
-    };
+    // Surfaces this narrow touch; wider surfaces would cross.
+    let surface = |radius: f64, medium| Interface::new(Shape::Sphere { radius }, 0.0, medium, 0.2);
     // (n - 1)(1/R + 1/R) = 1/f.
     [surface(focal_length, glass), surface(-focal_length, Medium::Air)]
 }
