@@ -14,7 +14,8 @@ use realistic_base::numeric::edge;
 /// rounding. Other apertures and obstructions are tested along many radii, with a relative error below 1e-5.
 pub fn on_axis<R: Real>(path: &Path<R>, film: f64, reach: f64) -> f64 {
     let clear = path.clone().without_apertures();
-    let annuli = open_annuli(&clear, film, reach);
+    let passes = |slope: f64| clear.trace(film_ray([0.0; 2], film, [slope, 0.0])).is_ok();
+    let annuli = open_parts([0.0, reach], 512, 0.0, passes);
     if path.has_apertures() {
         return annuli.iter().map(|annulus| through_apertures(path, &clear, film, *annulus)).sum();
     }
@@ -26,28 +27,24 @@ fn disk(slope: f64) -> f64 {
     PI * slope * slope / (1.0 + slope * slope)
 }
 
-/// Returns the intervals of slopes at which rays from the axis get through.
-fn open_annuli<R: Real>(path: &Path<R>, film: f64, reach: f64) -> Vec<[f64; 2]> {
-    const SCAN: u32 = 512;
-    let passes = |slope: f64| path.trace(film_ray([0.0; 2], film, [slope, 0.0])).is_ok();
-    let at = |i: u32| reach * f64::from(i) / f64::from(SCAN);
-    let mut open = passes(0.0);
-    let mut annuli = Vec::new();
-    let mut start = 0.0;
-    for i in 1..=SCAN {
+/// Returns the parts of an interval on which `passes` is true, found by `scan` steps of equal length. Their ends are
+/// found by bisection to `width`.
+fn open_parts([start, end]: [f64; 2], scan: u32, width: f64, passes: impl Fn(f64) -> bool) -> Vec<[f64; 2]> {
+    let at = |i: u32| start + (end - start) * f64::from(i) / f64::from(scan);
+    let mut parts = Vec::new();
+    let mut open = passes(start).then_some(start);
+    for i in 1..=scan {
         let (from, to) = (at(i - 1), at(i));
-        if passes(to) != open {
-            let boundary = edge(from, to, 0.0, |slope| passes(slope) == open);
-            if open {
-                annuli.push([start, boundary]);
+        if passes(to) != open.is_some() {
+            let boundary = edge(from, to, width, |place| passes(place) == open.is_some());
+            match open.take() {
+                Some(begin) => parts.push([begin, boundary]),
+                None => open = Some(boundary),
             }
-            (start, open) = (boundary, !open);
         }
     }
-    if open {
-        annuli.push([start, reach]);
-    }
-    annuli
+    parts.extend(open.map(|begin| [begin, end]));
+    parts
 }
 
 /// Returns the irradiance on the axis through the apertures of `path` for slopes in one annulus, in which all rays pass
@@ -80,17 +77,8 @@ fn through_apertures<R: Real>(path: &Path<R>, clear: &Path<R>, film: f64, [from,
                 path.steps()[step].apertures.iter().all(|aperture| aperture.passes(point))
             })
         };
-        let mut open = passes(0.0);
-        let mut total = if open { -disk(from) } else { 0.0 };
-        for i in 1..=SCAN {
-            if passes(f64::from(i)) != open {
-                let boundary = edge(f64::from(i - 1), f64::from(i), 1e-9, |place| passes(place) == open);
-                let inside = disk(slope(boundary));
-                total += if open { inside } else { -inside };
-                open = !open;
-            }
-        }
-        if open { total + disk(to) } else { total }
+        let parts = open_parts([0.0, f64::from(SCAN)], SCAN, 1e-9, passes);
+        parts.iter().map(|[from, to]| disk(slope(*to)) - disk(slope(*from))).sum::<f64>()
     };
     let azimuth = |i: u32| (f64::from(i) + 0.5) * TAU / f64::from(AZIMUTHS);
     (0..AZIMUTHS).map(|i| lit(azimuth(i))).sum::<f64>() / f64::from(AZIMUTHS)

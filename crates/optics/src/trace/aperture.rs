@@ -60,8 +60,8 @@ pub struct Edge<R> {
 impl<R: Real> ApertureTest<R> {
     /// Builds the test of an aperture in a surface with a clear semi-diameter, mm.
     pub fn new(aperture: &Aperture, semi_diameter: f64) -> Self {
-        let convex = |turned: bool, scale: [f64; 2], normals: &[[f64; 2]], constants: BladeConstants| {
-            let (sine, cosine) = if turned { aperture.rotation.to_radians().sin_cos() } else { (0.0, 1.0) };
+        let convex = |scale: [f64; 2], normals: &[[f64; 2]], constants: BladeConstants| {
+            let (sine, cosine) = aperture.rotation.to_radians().sin_cos();
             let BladeConstants { bulge, slant, limit } = constants;
             OutlineTest::Convex(ConvexTest {
                 center: aperture.center.map(|part| R::from_f64(part * semi_diameter)),
@@ -76,17 +76,16 @@ impl<R: Real> ApertureTest<R> {
         let outline = match &aperture.outline {
             Outline::Ellipse(axes) => {
                 let constants = BladeConstants { bulge: 1.0, slant: 0.0, limit: 1.0 };
-                convex(true, axes.map(f64::recip), &[], constants)
+                convex(axes.map(f64::recip), &[], constants)
             }
             Outline::Rectangle(half_widths) => {
                 let normals = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]];
                 let constants = BladeConstants { bulge: 0.0, slant: 1.0, limit: 1.0 };
-                convex(true, half_widths.map(f64::recip), &normals, constants)
+                convex(half_widths.map(f64::recip), &normals, constants)
             }
             Outline::Blades(blades) => {
-                // The normals have the rotation of the blades.
                 let normals: Vec<[f64; 2]> = blades.normals().collect();
-                convex(false, [1.0; 2], &normals, blades.constants())
+                convex([1.0; 2], &normals, blades.constants())
             }
             Outline::Polygon(vertices) => {
                 let placed: Vec<[f64; 2]> =
@@ -102,6 +101,34 @@ impl<R: Real> ApertureTest<R> {
     /// Returns whether the aperture passes a point of the surface, mm. An aperture blocks NaN.
     pub fn passes(&self, point: [R; 2]) -> bool {
         self.outline.contains(point) != self.is_obstruction
+    }
+
+    /// Returns the same test in numbers of another type.
+    pub fn rounded<S: Real>(&self) -> ApertureTest<S> {
+        let round = |number: R| S::from_f64(number.to_f64());
+        let outline = match &self.outline {
+            OutlineTest::Convex(ConvexTest { center, axes, normals, bulge, slant, limit }) => {
+                OutlineTest::Convex(ConvexTest {
+                    center: center.map(round),
+                    axes: axes.map(|row| row.map(round)),
+                    normals: normals.iter().map(|normal| normal.map(round)).collect(),
+                    bulge: round(*bulge),
+                    slant: round(*slant),
+                    limit: round(*limit),
+                })
+            }
+            OutlineTest::Polygon(edges) => OutlineTest::Polygon(
+                edges
+                    .iter()
+                    .map(|Edge { lower, upper, along }| Edge {
+                        lower: lower.map(round),
+                        upper: round(*upper),
+                        along: along.map(round),
+                    })
+                    .collect(),
+            ),
+        };
+        ApertureTest { outline, is_obstruction: self.is_obstruction }
     }
 }
 
@@ -136,35 +163,5 @@ impl<R: Real> Edge<R> {
             upper: R::from_f64(upper[1]),
             along: [upper[0] - lower[0], upper[1] - lower[1]].map(R::from_f64),
         }
-    }
-}
-
-impl<R: Real> ApertureTest<R> {
-    /// Returns the same test in numbers of another type.
-    pub fn rounded<S: Real>(&self) -> ApertureTest<S> {
-        let round = |number: R| S::from_f64(number.to_f64());
-        let outline = match &self.outline {
-            OutlineTest::Convex(ConvexTest { center, axes, normals, bulge, slant, limit }) => {
-                OutlineTest::Convex(ConvexTest {
-                    center: center.map(round),
-                    axes: axes.map(|row| row.map(round)),
-                    normals: normals.iter().map(|normal| normal.map(round)).collect(),
-                    bulge: round(*bulge),
-                    slant: round(*slant),
-                    limit: round(*limit),
-                })
-            }
-            OutlineTest::Polygon(edges) => OutlineTest::Polygon(
-                edges
-                    .iter()
-                    .map(|Edge { lower, upper, along }| Edge {
-                        lower: lower.map(round),
-                        upper: round(*upper),
-                        along: along.map(round),
-                    })
-                    .collect(),
-            ),
-        };
-        ApertureTest { outline, is_obstruction: self.is_obstruction }
     }
 }
