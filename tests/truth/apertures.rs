@@ -3,15 +3,15 @@
 
 use super::support;
 
-use ::realistic_camera::{Camera, Outcome, sampling::DiskMapping};
+use ::realistic_camera::Camera;
 use realistic_optics::{
     lens::{Lens, film_ray},
     prescription::{Outline, read},
-    trace::{Direction, Path, Ray},
+    trace::{Direction, Path},
 };
 use realistic_trace::kernel::Kernel;
 use std::f64::consts::TAU;
-use support::{Random, build, host_with, sample};
+use support::{Random, build, host_with, light};
 
 /// A singlet with a plane in front, a stop, and a plane of glass, whose rows the shapes below stand in.
 const TABLE: &str = "flare 1 1 24\n50 6 1.5 22\n-50 4 1 22\nstop 2 1 8\ninf 2 1.5 24\ninf 45 1 24\n";
@@ -73,77 +73,34 @@ fn lens(lines: &str) -> Lens {
     Lens::at_d_line(&read("shaped", format!("{TABLE}{lines}\n").as_bytes()).expect(lines))
 }
 
-/// Returns the mean of `draw` with its standard error.
-fn mean(mut draw: impl FnMut() -> f64) -> [f64; 2] {
-    let count = 40_000;
-    let drawn: Vec<f64> = (0..count).map(|_| draw()).collect();
-    let mean = drawn.iter().sum::<f64>() / f64::from(count);
-    let square = drawn.iter().map(|value| (value - mean).powi(2)).sum::<f64>();
-    [mean, (square / f64::from(count).powi(2)).sqrt()]
-}
-
-/// Returns the mean weight over the rear surface's disk, with its standard error, of the rays that pass the lens of
-/// clear apertures and whose point in the stop passes `test`.
-fn by_hand(round: &Camera, test: fn([f64; 2]) -> bool, image: [f64; 2], seed: u64) -> [f64; 2] {
-    let facts = round.facts().expect("a lens");
-    let lens = &facts.lens;
-    let path = Path::<f64>::film_to_scene(lens);
-    let distance = facts.film_distance;
-    let film = lens.rear().vertex - distance;
-    let [x, y] = facts.film.point(image[0], image[1]);
-    let radius = lens.rear().semi_diameter;
-    let along = lens.surfaces.len() - STOP;
-    let mut random = Random::new(seed);
-    mean(|| {
-        let at = DiskMapping::Concentric.map(random.next(), random.next()).expect("a point");
-        let [px, py] = at.map(|part| radius * part);
-        let direction = [px - x, py - y, distance];
-        let mut in_stop = [f64::NAN; 2];
-        let walk = path.walk_by(Ray { origin: [x, y, film], direction }, |surface, point| {
-            if surface == along {
-                in_stop = [point[0], point[1]];
-            }
-        });
-        let cosine = distance / direction.iter().map(|d| d * d).sum::<f64>().sqrt();
-        let area = TAU / 2.0 * radius * radius;
-        let passes = walk.blocked.is_none() && test(in_stop);
-        if passes { area * cosine.powi(4) / (distance * distance) } else { 0.0 }
-    })
-}
-
-/// Returns the mean weight of a camera's samples at a film point, with its standard error.
-fn of_camera(camera: &Camera, image: [f64; 2], seed: u64) -> [f64; 2] {
-    let mut random = Random::new(seed);
-    mean(|| {
-        let at = [random.next() as f32, random.next() as f32];
-        match camera.generate(&sample(image.map(|part| part as f32), at), None) {
-            Outcome::Ray(_, weight) => weight.into(),
-            _ => 0.0,
-        }
-    })
-}
-
 #[test]
 fn no_light_is_lost_or_made_at_any_azimuth() {
     let round = camera("", &[]);
-    for (line, test) in CASES {
-        let shaped = camera(line, &[]);
-        for azimuth in 0..12 {
+    let semi_diameter = round.facts().expect("a lens").lens.surfaces[STOP - 1].semi_diameter;
+    support::on_all_cores(&CASES, |(line, test)| {
+        let cameras = ["warped", "rear"].map(|pupil| (pupil, camera(line, &[("pupil", pupil)])));
+        for azimuth in 0..12_u8 {
             let (sine, cosine) = (TAU * f64::from(azimuth) / 12.0).sin_cos();
-            let image = [200.0 + 110.0 * cosine, 150.0 + 110.0 * sine];
-            let [expected, error] = by_hand(&round, test, image, 7 + azimuth as u64);
-            let [found, own_error] = of_camera(&shaped, image, 91 + azimuth as u64);
-            let off = (found - expected) / error.hypot(own_error);
-            assert!(expected > 0.0 && off.abs() < 4.5, "{line} {azimuth}: {found} {expected} {off}");
+            let image = [200.0 + 110.0 * cosine, 150.0 + 110.0 * sine].map(|part| part as f32);
+            let is_inside = |point: [f64; 2]| test(point.map(|part| part * semi_diameter));
+            let [expected, error] = light::through_stop(&round, is_inside, image, 7 + u64::from(azimuth));
+            for (pupil, camera) in &cameras {
+                let [found, own_error] = light::of_camera(camera, image, 91 + u64::from(azimuth));
+                let off = (found - expected) / error.hypot(own_error);
+                assert!(
+                    expected > 0.0 && off.abs() < 4.5,
+                    "{line} {pupil} {azimuth}: {found} {expected} {off}"
+                );
+            }
         }
-    }
+    });
 }
 
 #[test]
 fn relative_weights_have_the_mean_1_on_the_axis() {
     for (line, _) in CASES {
         let shaped = camera(line, &[("weighting", "relative")]);
-        let [mean, error] = of_camera(&shaped, [200.0, 150.0], 5);
+        let [mean, error] = light::of_camera(&shaped, [200.0, 150.0], 5);
         assert!((mean - 1.0).abs() < 4.5 * error && error < 0.02, "{line}: {mean} {error}");
     }
 }
@@ -204,17 +161,9 @@ fn every_tracer_tests_the_shapes() {
             (&[("precision", "f32")], 4),
             (&[("refraction", "heckbert")], 2),
             (&[("tolerance", "0.5")], 60),
-            (&[("pupil", "rear")], 20_000),
         ] {
             let [exact, other] = [camera(line, &[]), camera(line, tracer)];
-            let mut random = Random::new(1);
-            let mut differ = 0;
-            for _ in 0..10_000 {
-                let image = [400.0 * random.next() as f32, 300.0 * random.next() as f32];
-                let lens = [random.next() as f32, random.next() as f32];
-                let [a, b] = [&exact, &other].map(|camera| support::ray(camera, image, lens).is_some());
-                differ += i32::from(a != b);
-            }
+            let [_, _, differ] = light::fates([&exact, &other], 10_000);
             assert!(differ <= most, "{line} {tracer:?}: {differ}");
         }
     }
@@ -222,14 +171,8 @@ fn every_tracer_tests_the_shapes() {
 
 #[test]
 fn shapes_follow_a_stop_that_is_narrowed_and_blades_keep_company() {
-    let acceptance = |lines: &str, given: &[(&str, &str)]| {
-        let camera = camera(lines, given);
-        let mut random = Random::new(2);
-        let passes = |_: &u32| {
-            support::ray(&camera, [200.0, 150.0], [random.next() as f32, random.next() as f32]).is_some()
-        };
-        f64::from((0..20_000).filter(passes).count() as u32) / 20_000.0
-    };
+    let acceptance =
+        |lines: &str, given: &[(&str, &str)]| light::acceptance(&camera(lines, given), 20_000, 2);
     let half = [("aperture_diameter", "4")];
     for given in [&[][..], &half] {
         assert!((acceptance("obstruction 4 circle 2", given) - 0.75).abs() < 0.015, "{given:?}");

@@ -2,24 +2,9 @@
 
 use super::support;
 
-use ::realistic_camera::{Camera, Outcome, sampling::DiskMapping};
-use realistic_optics::{
-    lens::Lens,
-    prescription::Blades,
-    trace::{Path, Ray},
-};
-use support::{Random, build, camera, host, host_with, sample};
-
-/// Returns the lens behind its stop, with the stop as the last surface.
-fn to_stop(lens: &Lens) -> Path {
-    let stop = lens.stop_index().expect("a stop");
-    let front = lens.surfaces[stop].vertex;
-    let mut behind = Lens { surfaces: lens.surfaces[stop..].to_vec(), ..lens.clone() };
-    for surface in &mut behind.surfaces {
-        surface.vertex -= front;
-    }
-    Path::film_to_scene(&behind)
-}
+use ::realistic_camera::Camera;
+use realistic_optics::prescription::Blades;
+use support::{Random, build, camera, host, host_with, light};
 
 /// Whether a point in a stop of radius 1 lies inside the figure of its blades: on the centre's side of every edge. An
 /// edge is an arc through two corners, whose curvature is a fraction of the circle's.
@@ -42,56 +27,6 @@ fn is_inside(blades: Blades, point: [f64; 2]) -> bool {
         let center = distance - (radius * radius - half * half).sqrt();
         (point[0] - center * normal[0]).hypot(point[1] - center * normal[1]) <= radius
     })
-}
-
-fn film_z(camera: &Camera) -> f64 {
-    camera.facts().expect("a lens").lens.rear().vertex - camera.facts().expect("a lens").film_distance
-}
-
-/// Returns the mean weight over the rear element's disk, with its standard error, of the rays that pass both the round
-/// lens and the blades; the blades are tested here.
-fn by_hand(round: &Camera, blades: Blades, image: [f32; 2], seed: u64) -> [f64; 2] {
-    let lens = &round.facts().expect("a lens").lens;
-    let (path, to_stop) = (Path::<f64>::film_to_scene(lens), to_stop(lens));
-    let stop = &lens.surfaces[lens.stop_index().expect("a stop")];
-    let film = film_z(round);
-    let [x, y] = round.facts().expect("a lens").film.point(image[0].into(), image[1].into());
-    let distance = lens.rear().vertex - film;
-    let radius = 1.05 * lens.rear().semi_diameter;
-    let mut random = Random::new(seed);
-    mean(400, 128, || {
-        let [px, py] =
-            DiskMapping::Concentric.map(random.next(), random.next()).expect("a point").map(|x| radius * x);
-        let direction = [px - x, py - y, distance];
-        let ray = Ray { origin: [x, y, film], direction };
-        let from_stop = Ray { origin: [x, y, film - stop.vertex], direction };
-        let passes = path.trace(ray).is_ok()
-            && to_stop.trace(from_stop).is_ok_and(|at| {
-                is_inside(blades, [at.origin[0] / stop.semi_diameter, at.origin[1] / stop.semi_diameter])
-            });
-        let cosine = distance / direction.iter().map(|d| d * d).sum::<f64>().sqrt();
-        let area = std::f64::consts::PI * radius * radius;
-        if passes { area * cosine.powi(4) / (distance * distance) } else { 0.0 }
-    })
-}
-
-/// Returns the mean weight of a camera's samples at a film point, with its standard error.
-fn of_camera(camera: &Camera, image: [f32; 2], seed: u64) -> [f64; 2] {
-    let mut random = Random::new(seed);
-    mean(400, 128, || {
-        match camera.generate(&sample(image, [random.next() as f32, random.next() as f32]), None) {
-            Outcome::Ray(_, weight) => weight.into(),
-            _ => 0.0,
-        }
-    })
-}
-
-fn mean(groups: u32, each: u32, mut draw: impl FnMut() -> f64) -> [f64; 2] {
-    let means: Vec<f64> =
-        (0..groups).map(|_| (0..each).map(|_| draw()).sum::<f64>() / f64::from(each)).collect();
-    let mean = means.iter().sum::<f64>() / f64::from(groups);
-    let square = means.iter().map(|value| (value - mean).powi(2)).sum::<f64>();
-    [mean, (square / f64::from(groups * (groups - 1))).sqrt()]
 }
 
 const CASES: [(&str, &str, Blades); 4] = [
@@ -131,9 +66,10 @@ fn blades_give_the_right_light_at_every_azimuth() {
             .into_iter()
             .enumerate()
         {
-            let [expected, error] = by_hand(&round, blades, image, 7 + i as u64);
+            let [expected, error] =
+                light::through_stop(&round, |point| is_inside(blades, point), image, 7 + i as u64);
             for (pupil, camera) in &cameras {
-                let [found, own_error] = of_camera(camera, image, 91 + i as u64);
+                let [found, own_error] = light::of_camera(camera, image, 91 + i as u64);
                 let off = (found - expected) / error.hypot(own_error);
                 assert!(
                     expected > 0.0 && off.abs() < 4.5,
@@ -142,15 +78,7 @@ fn blades_give_the_right_light_at_every_azimuth() {
             }
         }
         let camera = bladed(blades, &more);
-        let mut random = Random::new(3);
-        let tries = 40_000;
-        let passed = (0..tries)
-            .filter(|_| {
-                let at = [random.next() as f32, random.next() as f32];
-                matches!(camera.generate(&sample([200.0, 150.0], at), None), Outcome::Ray(..))
-            })
-            .count();
-        let acceptance = passed as f64 / f64::from(tries);
+        let acceptance = light::acceptance(&camera, 40_000, 3);
         // The pupil is the stop's image, apart from the pupil's own aberrations.
         assert!((acceptance / blades.share() - 1.0).abs() < 0.03, "{lens}: {acceptance} {}", blades.share());
     }
@@ -161,7 +89,7 @@ fn with_relative_weights_the_mean_on_the_axis_is_1() {
     for (lens, fnumber, blades) in CASES {
         let more =
             [("lens_file", lens), ("fnumber", fnumber), ("film_diagonal", "22"), ("weighting", "relative")];
-        let [mean, error] = of_camera(&bladed(blades, &more), [200.0, 150.0], 5);
+        let [mean, error] = light::of_camera(&bladed(blades, &more), [200.0, 150.0], 5);
         assert!((mean - 1.0).abs() < 4.5 * error && error < 0.01, "{lens}: {mean} {error}");
     }
 }
@@ -221,15 +149,7 @@ fn every_tracer_tests_the_blades() {
     ] {
         let exact = bladed(blades, &[("fnumber", "8")]);
         let other = bladed(blades, &[&[("fnumber", "8")], tracer].concat());
-        let mut random = Random::new(1);
-        let (mut passed, mut blocked, mut differ) = (0, 0, 0);
-        for _ in 0..20_000 {
-            let image = [400.0 * random.next() as f32, 300.0 * random.next() as f32];
-            let lens = [random.next() as f32, random.next() as f32];
-            let [a, b] = [&exact, &other].map(|camera| support::ray(camera, image, lens).is_some());
-            *(if a { &mut passed } else { &mut blocked }) += 1;
-            differ += i32::from(a != b);
-        }
+        let [passed, blocked, differ] = light::fates([&exact, &other], 20_000);
         assert!(passed > 10_000 && blocked > 500, "{passed} {blocked}");
         assert!(differ <= most, "{tracer:?}: {differ}");
     }
@@ -240,11 +160,7 @@ fn a_files_blades_apply_unless_a_parameter_overrides_them() {
     let text = "50 6 1.5 20\n-50 4 1 20\n0 45 1 8\nblades 6 rotation=15\n";
     let acceptance = |given: &[(&str, &str)]| {
         let (camera, _) = build(&host_with(text), given).expect("a camera");
-        let mut random = Random::new(2);
-        let passes = |_: &u32| {
-            support::ray(&camera, [200.0, 150.0], [random.next() as f32, random.next() as f32]).is_some()
-        };
-        f64::from((0..20_000).filter(passes).count() as u32) / 20_000.0
+        light::acceptance(&camera, 20_000, 2)
     };
     let share = |count, curvature| Blades { count, rotation: 0.0, curvature }.share();
     assert!((acceptance(&[]) - share(6, 0.0)).abs() < 0.015);

@@ -7,6 +7,7 @@ pub mod abi_rays;
 pub mod columns;
 #[path = "../../support/inline.rs"]
 pub mod inline;
+pub mod light;
 mod properties;
 
 use std::{
