@@ -28,8 +28,8 @@ pub struct LensData<'a> {
     pub mm_per_unit: f64,
 }
 
-/// Exposure of a camera with this lens, as `UsdGeomCamera` defines it: its linear scale is responsivity · time · iso / 100 ·
-/// 2^exposure / f-stop².
+/// Exposure of a camera with this lens, as `UsdGeomCamera` defines it: its linear scale is responsivity · time · iso /
+/// 100 · 2^exposure / f-stop².
 #[derive(Clone, Copy, Debug)]
 pub struct LensExposure {
     /// The exposure as requested.

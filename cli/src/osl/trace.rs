@@ -110,7 +110,8 @@ pub fn text(traced: &TracedLens<'_>) -> String {
     }
     text += "  float r2 = x*x + y*y;\n  float f = 0, g = 0, e = 0, q = 0, t = 0, k = 0;\n  z = 0;\n";
     if lens.surfaces.iter().any(|surface| !surface.apertures.is_empty()) {
-        text += "  /* A point in a shaped aperture, and what decides whether it lies inside. */\n  float u = 0, v = 0, m = 0;\n";
+        text += "  /* A point in a shaped aperture, and what decides whether it lies inside. */\n  \
+                 float u = 0, v = 0, m = 0;\n";
     }
     if traced.light.is_some() {
         text += "  vector stokes = 0, across = 0;\n  left = 1;\n";

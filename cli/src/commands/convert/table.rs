@@ -328,7 +328,8 @@ mod tests {
             glass own sellmeier B1=1.1 B2=0.2 B3=1 C1=0.006 C2=0.02 C3=103\nglass poly polynomial A0=2.3 A2=-0.01 A-2=0.01\n\
             glass con conrady A=1.5 B=0.01 C=0.001\nglass her herzberger A=1.5 B=0.01 C=0.001 D=-0.01 E=0 F=0\n\
             glass ext sellmeier A=1.1 B1=1.2 C1=0.01 D=-0.01\nasphere 7 conic=-3.3 A2=1e-3 A3=1e-5 A20=-1e-40\n\
-            asphere 2 conic=-1.1 A4=-0\ncoating 2 three-layer at=512.5\ncoating 10 v-coat\naperture 6 rectangle 2 1.1 y=0.5 rotation=-20\naperture 2 polygon 0 0 3 1 -2 0.7\n\
+            asphere 2 conic=-1.1 A4=-0\ncoating 2 three-layer at=512.5\ncoating 10 v-coat\n\
+            aperture 6 rectangle 2 1.1 y=0.5 rotation=-20\naperture 2 polygon 0 0 3 1 -2 0.7\n\
             obstruction 1 circle 1.3 x=-0.1\ncoating 5 stack 1.38 99.6 2.05 134.15\npositions wide - tele\ngap 5 3 5.5 9\nfilm 40 38 35\nstopdiameter 6 6.5 -\nfocal - 35 50.5\n\
             fnumber 2.8 - 4\nobject inf 500 inf\nfield 75 63.4 -\nyear 1999\n";
         let lens = read("all.dat", text.as_bytes()).unwrap();

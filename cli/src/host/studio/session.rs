@@ -102,7 +102,7 @@ impl ShotOptions {
     }
 }
 
-/// Number of tiles of which one measures the noise: a prime, so that the measured tiles are spread over the picture.
+/// Number of tiles per tile that measures the noise: a prime, so that the measured tiles are spread over the picture.
 const PROBED: u32 = 37;
 
 /// A finished picture.

@@ -79,7 +79,8 @@ impl RealisticCamera {
         let rear = rear_disk(&setup, film_z)?;
         let exit = PupilDisk::exit(lens, film_z);
         let sampler = pupil_sampler(&setup, &path, film_z, [rear, exit], log);
-        // The sampled pupil is that of the clear apertures; rays that other apertures block are traced in vain.
+        // The sampled pupil is that of the clear apertures; rays that other apertures block are traced in
+        // vain.
         let path = path.with_apertures(lens);
         let weight = weight_factor(&setup, &path, film_z, &sampler, [rear, exit])?;
         let body = CameraBody {

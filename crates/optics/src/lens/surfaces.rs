@@ -43,8 +43,9 @@ pub struct Surface {
     pub semi_diameter: f64,
     /// Whether this is the aperture stop.
     pub is_stop: bool,
-    /// Apertures and obstructions inside the clear aperture, with lengths in clear semi-diameters. First-order optics, focusing, beams on the axis and the
-    /// tables of pupils use the clear aperture alone, which contains them; rays are tested against them.
+    /// Apertures and obstructions inside the clear aperture, with lengths in clear semi-diameters. First-order optics,
+    /// focusing, beams on the axis and the tables of pupils use the clear aperture alone; rays are also tested against
+    /// these.
     pub apertures: Arc<[Aperture]>,
     /// Whether the surface touches the surface before it on the scene's side, not counting planes that only limit rays.
     /// With rounded radii and thicknesses the two surfaces may overlap a little; rays then intersect this surface

@@ -12,10 +12,10 @@
 //! Modules in order: `surface` collects the data of each surface, with the facts that the shapes of its neighbours
 //! prove; `table` converts each surface to a step, within the growth of rounding errors that `rounding` allows;
 //! `ray_arrays` loads a caller's rays into vectors of lanes; `trace` takes a `group` of vectors through the steps, each
-//! of which is a method in `ray_lanes` or, for aspheres, in `asphere`, and tests shaped apertures by `outline`; `carried` is the data that rays carry along,
-//! such as the media at each ray's own wavelength (`dispersion`); `instances` compiles all of this for each instruction
-//! set in `simd`. `clearance` runs the same loop for searches, and measures how near rays come to the edges of
-//! `apertures`.
+//! of which is a method in `ray_lanes` or, for aspheres, in `asphere`; `outline` tests shaped apertures; `carried` is
+//! the data that rays carry along, such as the media at each ray's own wavelength (`dispersion`); `instances` compiles
+//! all of this for each instruction set in `simd`. `clearance` runs the same loop for searches, and measures how near
+//! rays come to the edges of `apertures`.
 //!
 //! # Instances: which code is compiled, and where it runs
 //!

@@ -527,8 +527,8 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
 }
 
 impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
-    /// Tests a shaped aperture at P = z (Vx, Vy)/Vz + (x, y), multiplied by Vz, with z the distance along the axis to the
-    /// plane of the test. The test neither moves the rays nor divides.
+    /// Tests a shaped aperture at P = z (Vx, Vy)/Vz + (x, y), multiplied by Vz, with z the distance along the axis to
+    /// the plane of the test. The test neither moves the rays nor divides.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn aperture(&mut self, cpu: Cpu<L>, aperture: &ShapedAperture<L::Scalar>) {
         let ahead = self.minus_z(cpu, &aperture.transfer);

@@ -106,7 +106,7 @@ pub struct Fits {
     /// The exponents of the monomials that have been added so far, in ascending total degree; each monomial has two
     /// columns.
     exponents: Vec<[usize; 3]>,
-    /// The largest total degree that has been added so far; `None` if there is none.
+    /// The largest total degree that has been added so far; `None` before the first.
     degree: Option<usize>,
 }
 

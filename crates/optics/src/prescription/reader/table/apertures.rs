@@ -1,5 +1,5 @@
-//! Lines `aperture ROW SHAPE …` and `obstruction ROW SHAPE …`: the apertures of rows that are not round, and what stands
-//! in the way of rays.
+//! Lines `aperture ROW SHAPE …` and `obstruction ROW SHAPE …`: the apertures of rows that are not round, and what
+//! stands in the way of rays.
 
 use super::lines::{Line, Lines};
 use crate::prescription::{

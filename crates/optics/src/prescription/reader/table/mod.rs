@@ -1,6 +1,6 @@
 //! The project's own table. [`lines`] splits the text into lines of words. [`glasses`], [`statements`], [`apertures`],
-//! [`coatings`] and [`columns`] read the lines that begin with a keyword, and [`rows`] reads the other lines. `docs/lens-format.md`
-//! has the grammar.
+//! [`coatings`] and [`columns`] read the lines that begin with a keyword, and [`rows`] reads the other lines.
+//! `docs/lens-format.md` has the grammar.
 //!
 //! There are two kinds of table. **Four columns**, as in the assignment and in pbrt: every row has radius, thickness,
 //! refractive index and clear diameter. **Five columns**, as in Smith's *Modern Lens Design*: a row of glass has

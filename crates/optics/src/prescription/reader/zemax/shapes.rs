@@ -105,8 +105,8 @@ fn is_any(record: &Record<'_>, from: usize) -> bool {
     record.values().iter().skip(from).any(|value| value.number().is_none_or(|number| number != 0.0))
 }
 
-/// Returns the vertices of a polygon: lines `UDAD n x y 0`, of which the last has x = y = 0. A line with n = 0 names the
-/// file that the vertices come from.
+/// Returns the vertices of a polygon: lines `UDAD n x y 0`, and x = y = 0 in the last line. A line with n = 0 names the
+/// file from which the vertices come.
 ///
 /// # Errors
 /// The lines are not one polygon, or it has more vertices than are traced.

@@ -29,8 +29,8 @@ pub(super) struct ZemaxSurface {
     pub asphere: Option<Asphere>,
     /// The medium behind the surface.
     pub behind: MediumBehind,
-    /// The semi-diameter in use: that of the circle around the aperture or, without an aperture, that of `DIAM` unless it
-    /// is 0.
+    /// The semi-diameter in use: that of the circle around the aperture or, without an aperture, that of `DIAM` unless
+    /// it is 0.
     pub semi_diameter: Option<f64>,
     /// The semi-diameter stated by `DIAM`.
     pub listed: Option<f64>,
