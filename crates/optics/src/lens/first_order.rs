@@ -231,7 +231,7 @@ impl FirstOrder {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::prescription::catalogue;
+    use crate::prescription::{catalogue, read};
 
     #[test]
     fn the_thick_lens_traces_a_ray_back_along_its_path() {
@@ -251,6 +251,54 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Returns the optics of a surface of radius 5 mm between water and a glass of index 1.6, behind a plate of water.
+    fn one_surface() -> FirstOrder {
+        let text = b"medium 1.33\nstop 2 1.33 9\n5 0 1.6 4\n";
+        FirstOrder::of(&Lens::at_d_line(&read("surface", text).expect("a lens"))).expect("focal")
+    }
+
+    #[test]
+    fn a_surface_between_two_media_has_two_focal_lengths_and_its_centre_as_nodal_point() {
+        let optics = one_surface();
+        let power = (1.6 - 1.33) / 5.0;
+        let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-12 * b.abs(), "{a} {b}");
+        near(optics.focal_length, 1.0 / power);
+        near(optics.front_focal_length(), 1.33 / power);
+        near(optics.rear_focal_length(), 1.6 / power);
+        near(optics.front_focal_point, -2.0 + 1.33 / power);
+        near(optics.rear_focal_point, -2.0 - 1.6 / power);
+        // The surface is both principal planes; rays toward its centre are not refracted.
+        near(optics.front_principal_plane, -2.0);
+        near(optics.rear_principal_plane, -2.0);
+        optics.nodal_points().into_iter().for_each(|z| near(z, -7.0));
+        // n'/s' = n/s + φ, with s in front of the surface.
+        let image = 1.6 / (power - 1.33 / 100.0);
+        near(optics.image_distance(1.0 / 98.0), image);
+        near(optics.object_distance(image).expect("in front"), 100.0 + image);
+    }
+
+    #[test]
+    fn the_thick_lens_refracts_between_media_by_its_power() {
+        let optics = one_surface();
+        let film = optics.rear_vertex - 40.0;
+        let start = Ray { origin: [1.0, -2.0, film], direction: [0.1, 0.05, 1.0] };
+        let out = optics.transfer(start);
+        let slope = |ray: &Ray, axis: usize| ray.direction[axis] / ray.direction[2];
+        let [[a, b], [c, d]] = optics.from_film(film);
+        assert!((a * d - b * c - 1.6 / 1.33).abs() < 1e-12);
+        for axis in 0..2 {
+            let (y, s) = (start.origin[axis], start.direction[axis]);
+            let height = y + 40.0 * s;
+            let behind = (1.6 * s - height / optics.focal_length) / 1.33;
+            assert!((slope(&out, axis) - behind).abs() < 1e-12);
+            assert!((c * y + d * s - behind).abs() < 1e-12);
+            assert!((a * y + b * s - out.origin[axis]).abs() < 1e-12);
+        }
+        let back = optics.transfer_to_film(Ray { origin: out.origin, direction: out.direction.map(|x| -x) });
+        let at_film = back.origin[0] - 40.0 * slope(&back, 0);
+        assert!((at_film - 1.0).abs() < 1e-12, "{back:?}");
     }
 
     #[test]
