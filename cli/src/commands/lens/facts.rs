@@ -203,7 +203,8 @@ fn transmission(
 
 /// Returns the film's position, and the field of view on a film with this `diagonal` in mm.
 fn film(lens: &Lens, optics: Option<FirstOrder>, film_distance: Option<f64>, diagonal: f64) -> [Fact; 2] {
-    let paraxial = film_distance.and(optics).map(|optics| field::paraxial(optics.focal_length, diagonal));
+    let paraxial =
+        film_distance.and(optics).map(|optics| field::paraxial(optics.front_focal_length(), diagonal));
     let field = film_distance.map(|distance| Field::new(lens, lens.rear().vertex - distance));
     let real = field.as_ref().and_then(|field| field.real(diagonal));
     let lit = field.as_ref().and_then(|field| field.lit_radius(diagonal / 2.0));
