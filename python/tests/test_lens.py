@@ -98,6 +98,15 @@ def test_the_f_number_is_that_of_the_beam_of_exact_rays():
     assert lens.pupils.entrance_diameter_mm == pytest.approx(2 * height, rel=1e-12)
 
 
+def test_an_eye_has_its_film_in_a_medium():
+    # One surface of radius 6 before the index 1.336: 1/φ = 6/0.336, and both nodal points are the centre.
+    eye = Lens(lens_text="6 0 1.336 8\n")
+    assert eye.outer_indices == (1.0, 1.336)
+    assert eye.focal_length_mm == pytest.approx(6 / 0.336)
+    assert eye.focal_points_mm == pytest.approx((6 / 0.336, -6 * 1.336 / 0.336))
+    assert eye.principal_planes_mm == pytest.approx((0, 0), abs=1e-12) and eye.nodal_points_mm == pytest.approx((-6, -6))
+
+
 def test_surfaces_are_those_of_the_file():
     lens = Lens(lens_text="20 5 1.5 10\n-40 2 1 8\n0 3 0 6\n-30 4 1.7 12\n50 0 1 12\n")
     assert [surface.radius_mm for surface in lens.surfaces] == [20, -40, np.inf, -30, 50]

@@ -1,7 +1,7 @@
 //! The examples and errors of `docs/lens-format.md`: every example is a lens, and every text of the table of errors
 //! is refused as documented.
 
-use realistic_optics::prescription::{Blades, Coating, Prescription, Shape, SurfaceCoating, read};
+use realistic_optics::prescription::{Blades, Coating, Medium, Prescription, Shape, SurfaceCoating, read};
 
 const TEXT: &str = include_str!("../../docs/lens-format.md");
 
@@ -16,7 +16,8 @@ fn lenses() -> Vec<Prescription> {
 #[test]
 fn every_example_is_a_lens() {
     let lenses = lenses();
-    let [double_gauss, two, doublet, flint, silica, singlet, iris, coated, window, zoom] = lenses.as_slice()
+    let [double_gauss, two, eye, doublet, flint, silica, singlet, iris, coated, window, zoom] =
+        lenses.as_slice()
     else {
         panic!("{}", lenses.len())
     };
@@ -26,6 +27,7 @@ fn every_example_is_a_lens() {
         realistic_optics::prescription::catalogue::find("dgauss.50mm").expect("listed").interfaces
     );
     assert_eq!((two.interfaces.len(), two.stop_index()), (5, Some(2)));
+    assert_eq!(eye.image_medium(), Medium::Glass { n_d: 1.3377, abbe: None });
     assert_eq!(doublet.glasses.len(), 2);
     let absorbs = flint.transmittances()[0].clone().expect("what its line says");
     assert!((absorbs.coefficient(400.0) * 25.0 + 0.61_f64.ln()).abs() < 1e-3);

@@ -18,6 +18,7 @@ mod invariants;
 mod kernel;
 mod lens_format;
 mod light;
+mod media;
 mod messages;
 mod misprints;
 mod models;

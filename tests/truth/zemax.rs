@@ -257,13 +257,27 @@ fn shaped_apertures_are_read() {
 }
 
 #[test]
-fn a_lens_whose_object_is_in_a_medium_is_refused() {
+fn object_and_image_may_be_in_media() {
     let in_front = |glass: &str| with(&[("DISZ INFINITY", &format!("DISZ INFINITY\n  GLAS {glass}"))]);
-    refused(
-        &in_front("___BLANK 1 0 1.33 0 0"),
-        &["lens.zmx:13:3", "surface 0, the object's", "GLAS ___BLANK 1 0 1.33"],
-    );
+    let water = lens(&in_front("___BLANK 1 0 1.33 0 0"));
+    assert!(water.remarks.is_empty(), "{:?}", water.remarks);
+    assert_eq!(fate(&water, "GLAS").0, Fate::Used);
+    near(optics(&water).rear_focal_length(), 75.135243438, 1e-9);
+    near(optics(&water).back_focal_distance(), 74.454017231, 1e-9);
+    near(stop_diameter(&water), 10.0, 1e-12);
     near(optics(&lens(&in_front("___BLANK 1 0 1 0 0"))).focal_length, 50.675676, 1e-6);
+    refused(&in_front("UNKNOWN 0 0 1.33 0 0"), &["lens.zmx:13:8", "glass \"UNKNOWN\" is not known"]);
+    // The f-numbers are those of 1/φ over the entrance pupil, and the numerical aperture has the index of the medium.
+    let aperture = |aperture: &str| in_front("___BLANK 1 0 1.33 0 0").replace("ENPD 10", aperture);
+    near(stop_diameter(&lens(&aperture("FNUM 5 0"))), 75.135243438 / 5.0, 1e-9);
+    let close = aperture("OBNA 0.03 0").replace("DISZ INFINITY", "DISZ 100");
+    near(stop_diameter(&lens(&close)), 200.0 * (0.03_f64 / 1.33).asin().tan(), 1e-9);
+    // Behind the last surface the film's medium begins: glass on the last row but one.
+    let behind = lens(&with(&[("DISZ 48", "DISZ 48\n  GLAS ___BLANK 1 0 1.336 0 0")]));
+    let [first, second] = [0.5 * 0.02, (1.336 - 1.5) * -0.02];
+    let power = first + second - first * second * 4.0 / 1.5;
+    near(optics(&behind).focal_length, 1.0 / power, 1e-9);
+    near(optics(&behind).back_focal_distance(), 1.336 / power * (1.0 - first * 4.0 / 1.5), 1e-9);
 }
 
 #[test]

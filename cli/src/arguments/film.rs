@@ -86,7 +86,7 @@ impl OwnFilm {
     fn of_lens(prescription: &Prescription, lens: &Lens) -> Option<Self> {
         let film_distance = film_distance(&Parameters::default(), lens).ok()?;
         let field = Field::new(lens, lens.rear().vertex - film_distance);
-        let focal_length = FirstOrder::of(lens).ok()?.focal_length.abs();
+        let focal_length = FirstOrder::of(lens).ok()?.front_focal_length().abs();
         let stated = prescription.stated.fields.first().copied().flatten();
         let Some(stated) = stated.filter(|stated| *stated > 0.0 && *stated < 360.0) else {
             let half = Self::DEFAULT.diagonal / 2.0;

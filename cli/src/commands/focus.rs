@@ -150,9 +150,9 @@ fn paraxial_film_distance(
     let infinity = optics.back_focal_distance();
     let near_infinity = focus.paraxial_film_distance(focused.object_distance);
     Ok(near_infinity.map(|film| {
-        // Newton's equation: the product of the conjugates' distances from the focal points is f².
+        // Newton's equation: the product of the conjugates' distances from the focal points is n n'/φ².
         let is_other = focused.film_distance > nearest.film_distance;
-        if is_other { infinity + optics.focal_length.powi(2) / (film - infinity) } else { film }
+        if is_other { infinity + optics.mean_focal_length().powi(2) / (film - infinity) } else { film }
     }))
 }
 

@@ -75,8 +75,10 @@ pub(super) fn draw_lens(page: &mut Page, view: &View, lens: &Lens) {
         page.area(on_page(&element), GLASS, EDGE);
     }
     for (index, surface) in lens.surfaces.iter().enumerate() {
-        // An interface without glass on either side would otherwise be invisible.
-        if surface.n_scene == 1.0 && surface.n_film == 1.0 && !surface.is_stop {
+        // An interface beside no element would otherwise be invisible. The media of scene and film are not drawn.
+        let ends_element = index > 0 && surface.n_scene != 1.0;
+        let begins_element = index + 1 < lens.surfaces.len() && surface.n_film != 1.0;
+        if !ends_element && !begins_element && !surface.is_stop {
             page.line(on_page(&glass::arc(surface)), EDGE.dashed("4 3"));
         } else if surface.is_stop {
             let radius = surface.semi_diameter;

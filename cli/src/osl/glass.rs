@@ -13,13 +13,17 @@ pub const ENDS: [f64; 2] = [420.0, 680.0];
 const SAMPLES: usize = 27;
 const TERMS: usize = 5;
 
-/// Returns the polynomial in w for the medium on the film's side of each surface; `None` for air.
+/// Returns the polynomial in w for each medium from the scene's to the film's, one more than surfaces; `None` for air.
 pub fn indices(prescription: &Prescription) -> Vec<Option<Polynomial<TERMS>>> {
     let numbers: Vec<f64> = (0..SAMPLES).map(|i| 2.0 * i as f64 / (SAMPLES - 1) as f64 - 1.0).collect();
     let lenses: Vec<Lens> = numbers.iter().map(|&w| Lens::new(prescription, wavelength(w))).collect();
-    (0..prescription.interfaces.len())
-        .map(|i| {
-            let values: Vec<f64> = lenses.iter().map(|lens| lens.surfaces[i].n_film).collect();
+    (0..=prescription.interfaces.len())
+        .map(|medium| {
+            let index = |lens: &Lens| match medium.checked_sub(1) {
+                Some(surface) => lens.surfaces[surface].n_film,
+                None => lens.front().n_scene,
+            };
+            let values: Vec<f64> = lenses.iter().map(index).collect();
             values.iter().any(|n| *n != 1.0).then(|| fit(&numbers, &values))
         })
         .collect()
@@ -31,12 +35,13 @@ fn wavelength(w: f64) -> f64 {
     ((red + blue) / 2.0 + w * (blue - red) / 2.0).sqrt().recip()
 }
 
-/// Declares the index of every glass at the wavelength `nm`; the medium behind the third row has the index n3.
+/// Declares the index of every medium but air at the wavelength `nm`; n0 is that of the scene, and n3 that behind the
+/// third row.
 pub fn declarations(indices: &[Option<Polynomial<TERMS>>]) -> String {
     let [blue, red] = ENDS.map(|end| 1.0 / (end * end));
     let (scale, shift) = (2.0 / (blue - red), -(blue + red) / (blue - red));
     let mut text = format!("  float w = {}/(nm*nm) + {};\n", number(scale), number(shift));
-    for (row, polynomial) in (1..).zip(indices) {
+    for (row, polynomial) in indices.iter().enumerate() {
         if let Some(Polynomial(terms)) = polynomial {
             let horner = terms[..TERMS - 1]
                 .iter()
@@ -88,7 +93,7 @@ mod tests {
             for step in 0..=40 {
                 let w = f64::from(step) / 20.0 - 1.0;
                 let lens = Lens::new(&prescription, wavelength(w));
-                for (surface, fitted) in lens.surfaces.iter().zip(&indices) {
+                for (surface, fitted) in lens.surfaces.iter().zip(&indices[1..]) {
                     let fitted = fitted.map_or(1.0, |fitted| fitted.at(w));
                     most = most.max((fitted - surface.n_film).abs());
                 }

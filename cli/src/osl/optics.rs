@@ -115,6 +115,16 @@ impl Optics {
         Ok(optics)
     }
 
+    /// Returns the focal length on the scene's side, mm.
+    pub fn front_focal_length(&self) -> f64 {
+        self.focal_length * self.lens.front().n_scene
+    }
+
+    /// Returns the focal length on the film's side, mm.
+    pub fn rear_focal_length(&self) -> f64 {
+        self.focal_length * self.lens.rear().n_film
+    }
+
     /// Returns the vergence at the front vertex, 1/mm, of the object for a focus.
     fn vergence(&self, f: f64) -> f64 {
         let u = f * self.nearest;

@@ -265,8 +265,8 @@ fn entry_function(
     let focus_point = of(|optics| optics.focus_point);
     let farthest = of(|optics| 1.0 / optics.nearest);
     let plane = of(|optics| optics.plane);
-    let focal_length = of(|optics| optics.focal_length);
-    let magnified = of(|optics| optics.nearest * optics.focal_length);
+    let focal_length = of(Optics::front_focal_length);
+    let magnified = of(|optics| optics.nearest * optics.rear_focal_length());
     let steps = (FOCI - 1) as f64;
     // Position in the table for a focus.
     let table_position = if all[0].motion.is_some() {
@@ -288,9 +288,10 @@ fn entry_function(
     let names: String = moved.iter().map(|(name, _)| format!("  float {name} = 0;\n")).collect();
     let set: String = moved.iter().map(|(name, text)| format!("    {name} = {text};\n")).collect();
     let given: String = moved.iter().map(|(name, _)| format!(", {name}")).collect();
-    let is_lit = traced.light.is_some();
-    let [declared, left, lost] =
-        if is_lit { ["  float left = 1;\n", ", left", "  weight *= left;\n"] } else { [""; 3] };
+    let [declared, left, lost] = match traced.changes_light() {
+        true => ["  float left = 1;\n", ", left", "  weight *= left;\n"],
+        false => [""; 3],
+    };
     let opening = pupil::opening(all, table, &mut numbers);
     let rear = trace::behind_front(traced, traced.lens.surfaces.len() - 1);
     format!(

@@ -45,6 +45,18 @@ impl TracedLens<'_> {
         let gaps = self.gaps.iter().map(|(row, _)| format!("gap{}", row + 1));
         gaps.chain(self.stop_radius_moves.then(|| "rim".to_owned())).collect()
     }
+
+    /// Whether the trace returns a factor for the light of the ray: with transmission, and with a wavelength per ray
+    /// in a medium other than air, where the factor (n'/n)² of the radiance depends on the wavelength.
+    pub fn changes_light(&self) -> bool {
+        self.light.is_some() || self.indices.is_some() && self.lens.outer_indices() != [1.0; 2]
+    }
+
+    /// Returns the text of the index of a medium: 0 is the scene's, i that behind row i. Its index at the lens's own
+    /// wavelength is `n`.
+    fn index(&self, medium: usize, n: f64) -> String {
+        if self.indices.is_some() && n != 1.0 { format!("n{medium}") } else { number(n) }
+    }
 }
 
 /// A length along the axis: the sum of a fixed part and gaps that change.
@@ -95,7 +107,7 @@ pub fn behind_front(traced: &TracedLens<'_>, row: usize) -> String {
 pub fn text(traced: &TracedLens<'_>) -> String {
     let lens = traced.lens;
     let moving: String = traced.moving().iter().map(|name| format!(", float {name}")).collect();
-    let left = if traced.light.is_some() { ", output float left" } else { "" };
+    let left = if traced.changes_light() { ", output float left" } else { "" };
     let mut text = format!(
         "/* Takes a ray from (x, y) on the plane of the last vertex, with unit direction (vx, vy, vz), through every\n   \
             surface to the first: the point is then in the frame of the first vertex. 0: it is blocked. Lengths in mm;\n   \
@@ -103,7 +115,7 @@ pub fn text(traced: &TracedLens<'_>) -> String {
          int trace(float stop, float nm, output float x, output float y, output float z, output float vx,\n          \
          output float vy, output float vz{moving}{left})\n{{\n",
         if moving.is_empty() { "" } else { "; then what moves" },
-        if traced.light.is_some() { "; left: the share of its light that the lens leaves" } else { "" },
+        if traced.changes_light() { "; left: the factor of its light" } else { "" },
     );
     if let Some(indices) = &traced.indices {
         text += indices;
@@ -113,12 +125,20 @@ pub fn text(traced: &TracedLens<'_>) -> String {
         text += "  /* A point in a shaped aperture, and what decides whether it lies inside. */\n  \
                  float u = 0, v = 0, m = 0;\n";
     }
-    if traced.light.is_some() {
-        text += "  vector stokes = 0, across = 0;\n  left = 1;\n";
+    if traced.changes_light() {
+        text += "  left = 1;\n";
     }
-    // Absorption coefficient of the medium behind each row, if it absorbs.
+    if traced.light.is_some() {
+        text += "  vector stokes = 0, across = 0;\n";
+    }
+    let [n_scene, n_film] = lens.outer_indices();
+    let [scene, film] = [(0, n_scene), (lens.surfaces.len(), n_film)].map(|(i, n)| traced.index(i, n));
+    if n_film != 1.0 {
+        let _ = writeln!(text, "  vx *= {film};\n  vy *= {film};\n  vz *= {film};");
+    }
+    // Absorption coefficient of the medium behind each row, if it absorbs. The film's medium is no part of the lens.
     let absorption: Vec<Option<String>> = (0..lens.surfaces.len())
-        .map(|row| traced.light.as_ref().and_then(|light| light.absorption(row)))
+        .map(|row| traced.light.as_ref().filter(|_| row + 1 < lens.surfaces.len())?.absorption(row))
         .collect();
     if absorption.iter().any(Option::is_some) {
         text += "  /* Where the glass that the ray is in began. */\n  float px = 0, py = 0, pz = 0;\n";
@@ -163,15 +183,11 @@ pub fn text(traced: &TracedLens<'_>) -> String {
                 let _ = writeln!(text, "  pz = pz{offset};");
             }
         }
-        let index = |n: f64, row: usize| match &traced.indices {
-            Some(_) if n != 1.0 => format!("n{row}"),
-            _ => number(n),
-        };
         // The medium before the surface is on the film's side; the medium behind it belongs to the previous row.
         let (before, after) = (surface.n_film, surface.n_scene);
         let (squares, step) = match &traced.indices {
             Some(_) => {
-                let [before, after] = [index(before, i + 1), index(after, i)];
+                let [before, after] = [traced.index(i + 1, before), traced.index(i, after)];
                 let step = format!("({after} - {before})*({after} + {before})");
                 ([before, after].map(|n| format!("{n}*{n}")), step)
             }
@@ -206,6 +222,13 @@ pub fn text(traced: &TracedLens<'_>) -> String {
     let offset = behind_front(traced, last);
     if !offset.is_empty() {
         let _ = writeln!(text, "  z = z{offset};");
+    }
+    if n_scene != 1.0 {
+        let _ = writeln!(text, "  vx /= {scene};\n  vy /= {scene};\n  vz /= {scene};");
+    }
+    if traced.changes_light() && traced.indices.is_some() && [n_scene, n_film] != [1.0; 2] {
+        let own = number((n_scene / n_film).powi(2));
+        let _ = writeln!(text, "  left *= {own}*({film}*{film})/({scene}*{scene});");
     }
     text + "  return 1;\n}\n\n"
 }

@@ -191,8 +191,8 @@ impl LitPaths {
 /// The indices of two surfaces, counted from the scene: `[nearer the scene, nearer the film]`.
 pub type Pair = [usize; 2];
 
-/// Function of the index of a surface, counted from the scene, and a wavelength, nm. It returns the refractive index
-/// and the absorption coefficient, 1/mm, of the medium behind the surface.
+/// Function of the index of a medium, counted from the scene's medium, and a wavelength, nm. It returns the refractive
+/// index and the absorption coefficient, 1/mm, of the medium, which is in front of the surface with the same index.
 pub type MediumAt = Arc<dyn Fn(usize, f64) -> [f64; 2] + Send + Sync>;
 
 /// `LitPaths` at any wavelength. Indices and coatings are computed during the trace, so the trace of a ray allocates no
@@ -215,6 +215,12 @@ impl SpectralPaths {
         Self { paths, layers, medium }
     }
 
+    /// Returns the factor (n'/n)² from the radiance in front of the lens to that behind it at a wavelength, nm.
+    pub fn radiance_factor(&self, wavelength: f64) -> f64 {
+        let [n_scene, n_film] = [0, self.layers.len()].map(|medium| (self.medium)(medium, wavelength)[0]);
+        (n_film / n_scene).powi(2)
+    }
+
     /// Traces light as [`LitPath::trace`] does, without tables, at a wavelength, nm. The light follows the path of the
     /// pair or, if `pair` is `None`, the direct path.
     ///
@@ -223,12 +229,11 @@ impl SpectralPaths {
     pub fn trace(&self, pair: Option<Pair>, wavelength: f64, ray: Ray) -> Result<(Ray, f64), Blocked> {
         let last = self.layers.len() - 1;
         let mirrors = pair.map(|[near, far]| [last - far, last - near]);
-        let index = |surface: usize| (self.medium)(surface, wavelength)[0];
+        let index = |medium: usize| (self.medium)(medium, wavelength)[0];
         let steps = self.paths.steps(mirrors).map(|step| {
             let surface = last - step.along;
-            let before = surface.checked_sub(1).map_or(1.0, index);
             // Rays from the film meet a surface from behind, except between two mirrors.
-            let media = [index(surface), before];
+            let media = [index(surface + 1), index(surface)];
             step.between(if step.is_backward { [media[1], media[0]] } else { media })
         });
         carry(self.paths.direct(), steps, ray, &AtWavelength { paths: self, wavelength })
@@ -280,7 +285,7 @@ impl CoatedOptics for AtWavelength<'_> {
     }
 
     fn absorption(&self, surface: usize) -> f64 {
-        (self.paths.medium)(surface, self.wavelength)[1]
+        (self.paths.medium)(surface + 1, self.wavelength)[1]
     }
 
     fn share(&self, surface: usize, met: &Meeting, cosine: f64) -> Option<Share> {

@@ -59,8 +59,9 @@ const GRAZING: f64 = 1e-9;
 
 impl LaneSurface {
     /// Fits polynomials to a boundary, with a relative error of at most `goal`, for rays that come from the medium with
-    /// the index `index_before`; `None` if the stack is too thick for polynomials.
-    pub fn fitted(boundary: &Boundary, index_before: f64, goal: f64) -> Option<Self> {
+    /// the index `index_before` and whose n cos I is relative to the index `unit`; `None` if the stack is too thick for
+    /// polynomials.
+    pub fn fitted(boundary: &Boundary, index_before: f64, goal: f64, unit: f64) -> Option<Self> {
         let [rarer, denser] = boundary.ordered();
         let step = denser * denser - rarer * rarer;
         // The variable at normal and at grazing incidence.
@@ -90,8 +91,12 @@ impl LaneSurface {
         let factor = if is_rarer_before { half.recip() } else { -half.recip() };
         Some(Self::Fitted(FittedShare {
             is_rarer_before,
-            scale: [factor, -middle / half].map(|number| number as f32),
-            coefficients: least_fit.iter().rev().map(|numbers| numbers.map(|number| number as f32)).collect(),
+            scale: [factor * unit, -middle / half].map(|number| number as f32),
+            coefficients: least_fit
+                .iter()
+                .rev()
+                .map(|numbers| numbers.map(|number| (number * unit) as f32))
+                .collect(),
         }))
     }
 

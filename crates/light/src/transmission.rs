@@ -40,7 +40,7 @@ pub struct Transmission<C> {
 struct LitStep {
     /// Index of the surface; `None` if the medium does not change.
     surface: Option<usize>,
-    /// n before and behind the surface, at the lens's own wavelength.
+    /// n before and behind the surface, at the lens's own wavelength, relative to n before the first surface.
     indices: [f32; 2],
     before: Absorption,
 }
@@ -49,7 +49,7 @@ struct LitStep {
 #[derive(Clone, Copy, Debug)]
 enum Absorption {
     None,
-    /// Refractive index times absorption coefficient, n α, 1/mm, at the lens's own wavelength.
+    /// Relative refractive index times absorption coefficient, n α, 1/mm, at the lens's own wavelength.
     Fixed(f32),
     /// Index of the absorption curve of the glass.
     Curve(usize),
@@ -72,6 +72,7 @@ impl Transmission<Own> {
             !coating.layers([surface.n_scene, surface.n_film]).is_empty()
         };
         let coated = lens.surfaces.iter().zip(coatings).filter(|own| is_coated(*own)).count() as f64;
+        let first_index = first_index(lens, direction);
         let mut known: Vec<([f64; 2], Vec<Layer>)> = Vec::new();
         let mut surfaces = Vec::new();
         let index_of = |surface: usize, media: [f64; 2]| {
@@ -82,16 +83,16 @@ impl Transmission<Own> {
             let index = known.iter().position(|other| *other == own);
             Some(index.unwrap_or_else(|| {
                 let boundary = Boundary::untabulated(own.0, &own.1, lens.wavelength);
-                let fit = || LaneSurface::fitted(&boundary, own.0[0], GOAL / coated);
+                let fit = || LaneSurface::fitted(&boundary, own.0[0], GOAL / coated, first_index);
                 let fitted = if own.1.is_empty() { None } else { fit() };
-                surfaces.push(fitted.unwrap_or_else(|| stack(&coatings[surface], own.0)));
+                surfaces.push(fitted.unwrap_or_else(|| stack(&coatings[surface], own.0, first_index)));
                 known.push(own);
                 known.len() - 1
             }))
         };
         let absorption = |medium: Option<usize>| {
             let own = medium.map_or(0.0, |medium| lens.surfaces[medium].absorption);
-            let index = medium.map_or(1.0, |medium| lens.surfaces[medium].n_film);
+            let index = medium.map_or(1.0, |medium| lens.surfaces[medium].n_film / first_index);
             if own > 0.0 { Absorption::Fixed((own * index) as f32) } else { Absorption::None }
         };
         let lit = lit_steps(&steps.table, lens, direction, index_of, absorption);
@@ -113,7 +114,7 @@ impl<C> Transmission<C> {
         let mut surfaces = Vec::new();
         // Media with the same index at the lens's own wavelength may have different indices at other wavelengths.
         let index_of = |surface: usize, media| {
-            surfaces.push(stack(&coatings[surface], media));
+            surfaces.push(stack(&coatings[surface], media, 1.0));
             Some(surfaces.len() - 1)
         };
         let absorption = |medium: Option<usize>| {
@@ -150,6 +151,7 @@ fn lit_steps<S: Scalar>(
     absorption: impl Fn(Option<usize>) -> Absorption,
 ) -> Box<[LitStep]> {
     let last = lens.surfaces.len() - 1;
+    let first_index = first_index(lens, direction);
     let mut is_first = true;
     let step = |(step, along): (&Step<S>, &usize)| {
         let surface = if direction == Direction::FilmToScene { last - along } else { *along };
@@ -163,17 +165,30 @@ fn lit_steps<S: Scalar>(
         let is_crossed = step.refracts();
         LitStep {
             surface: if is_crossed { index_of(surface, media) } else { None },
-            indices: media.map(|index| index as f32),
+            indices: media.map(|index| (index / first_index) as f32),
             before: if is_crossed { absorption(medium) } else { Absorption::None },
         }
     };
     table.steps.iter().zip(&table.surfaces).map(step).collect()
 }
 
-/// Returns a surface with its layers, between `media`, which are in the order of the light.
-fn stack(coating: &SurfaceCoating, media: [f64; 2]) -> LaneSurface {
+/// Returns the index of the medium before the first surface, to which the kernel's indices are relative.
+fn first_index(lens: &Lens, direction: Direction) -> f64 {
+    let [n_scene, n_film] = lens.outer_indices();
+    match direction {
+        Direction::FilmToScene => n_film,
+        Direction::SceneToFilm => n_scene,
+    }
+}
+
+/// Returns a surface with its layers, between `media`, which are in the order of the light, for rays whose indices are
+/// relative to `unit`. The optical thickness of a layer stays the same.
+fn stack(coating: &SurfaceCoating, media: [f64; 2], unit: f64) -> LaneSurface {
     let side = AirSide::of(media);
-    let layers = side.map_or_else(Vec::new, |_| coating.from_air());
+    let mut layers = side.map_or_else(Vec::new, |_| coating.from_air());
+    for layer in &mut layers {
+        *layer = Layer { index: layer.index / unit, thickness: layer.thickness * unit };
+    }
     LaneSurface::stack(&layers, side == Some(AirSide::First))
 }
 
@@ -234,7 +249,15 @@ impl<S: KernelScalar, C: Carried<S>> Carried<S> for Transmission<C> {
             }
         }
         if let Some(surface) = surface {
-            let share = surfaces[surface].share(single, crossing.facing, indices, wavelength);
+            // Layers have absolute indices.
+            let share = match carried.first_index(cpu, state) {
+                None => surfaces[surface].share(single, crossing.facing, indices, wavelength),
+                Some(unit) => {
+                    let unit = unit.single();
+                    let [facing, indices] = [crossing.facing, indices].map(|both| both.map(|own| own * unit));
+                    surfaces[surface].share(single, facing, indices, wavelength)
+                }
+            };
             light.cross(single, &crossing, indices[0], share);
         }
     }
@@ -244,10 +267,21 @@ impl<S: KernelScalar, C: Carried<S>> Carried<S> for Transmission<C> {
         self.carried.light(&state.carried)
     }
 
+    #[inline(always)]
+    fn first_index<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, state: &Self::State<L>) -> Option<L> {
+        self.carried.first_index(cpu, &state.carried)
+    }
+
+    #[inline(always)]
+    fn per_last_index<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, state: &Self::State<L>) -> Option<L> {
+        self.carried.per_last_index(cpu, &state.carried)
+    }
+
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn left<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, state: &Self::State<L>) -> L {
         let power = state.light.power();
         let single = L::single_cpu(cpu);
-        L::widened(if self.absorbs { power * state.light.unabsorbed(single) } else { power })
+        let left = L::widened(if self.absorbs { power * state.light.unabsorbed(single) } else { power });
+        left * self.carried.left(cpu, &state.carried)
     }
 }

@@ -99,6 +99,10 @@ class LensInfo(ctypes.Structure):
         ("tnumber_bare", c_double),
         ("tnumber_quarter_wave", c_double),
         ("fnumber_paraxial", c_double),
+        ("index_scene", c_double),
+        ("index_film", c_double),
+        ("front_nodal_point_mm", c_double),
+        ("rear_nodal_point_mm", c_double),
     ]
 
 

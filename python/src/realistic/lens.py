@@ -171,7 +171,10 @@ class Lens:
 
     @property
     def focal_length_mm(self) -> float:
-        """Effective focal length; negative for a diverging lens, infinite for an afocal one."""
+        """Effective focal length 1/φ; negative for a diverging lens, infinite for an afocal one.
+
+        The focal lengths on both sides are this times the `outer_indices`.
+        """
         return float(self._info.focal_length_mm)
 
     @property
@@ -214,6 +217,20 @@ class Lens:
     def principal_planes_mm(self) -> tuple[float, float]:
         """z of the scene-side and film-side principal planes; NaN for an afocal lens."""
         return float(self._info.front_principal_plane_mm), float(self._info.rear_principal_plane_mm)
+
+    @property
+    def nodal_points_mm(self) -> tuple[float, float]:
+        """z of the scene-side and film-side nodal points; NaN for an afocal lens.
+
+        A ray toward the first leaves the lens from the second in the same direction. In one medium they are the
+        principal points.
+        """
+        return float(self._info.front_nodal_point_mm), float(self._info.rear_nodal_point_mm)
+
+    @property
+    def outer_indices(self) -> tuple[float, float]:
+        """Refractive indices in front of the lens and behind it, at the lens's wavelength; 1 in air."""
+        return float(self._info.index_scene), float(self._info.index_film)
 
     @property
     def rear_vertex_mm(self) -> float:

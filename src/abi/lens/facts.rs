@@ -17,9 +17,8 @@ use realistic_optics::{
     prescription::{Asphere, Coating, NO_TERMS},
 };
 
-/// First-order data of a lens (M. Born and E. Wolf, *Principles of Optics*, chapter 4). The lens is in air,
-/// so its nodal points coincide with its principal points. z is a coordinate in lens space, mm; it is
-/// infinite for a point at infinity. `realistic_lens_get_info` fills this structure.
+/// First-order data of a lens (M. Born and E. Wolf, *Principles of Optics*, chapter 4). z is a coordinate in
+/// lens space, mm; it is infinite for a point at infinity. `realistic_lens_get_info` fills this structure.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 #[allow(non_camel_case_types)]
@@ -35,7 +34,8 @@ pub struct realistic_lens_info {
     pub limiting: i32,
     /// Wavelength, nm.
     pub wavelength: f64,
-    /// Effective focal length, mm; negative for a diverging lens, infinite for an afocal one.
+    /// Effective focal length 1/φ, mm; negative for a diverging lens, infinite for an afocal one. The focal
+    /// lengths n/φ and n'/φ on both sides are this times `index_scene` and `index_film`.
     pub focal_length_mm: f64,
     /// Absolute focal length divided by the diameter of the beam of exact rays from a distant point on the
     /// axis; infinite for an afocal lens, or if no ray parallel to the axis passes.
@@ -73,6 +73,15 @@ pub struct realistic_lens_info {
     /// f-number by first-order optics alone: the absolute focal length divided by the diameter of the
     /// smallest image of any aperture, formed by the surfaces in front of that aperture.
     pub fnumber_paraxial: f64,
+    /// Refractive index in front of the lens; 1 in air.
+    pub index_scene: f64,
+    /// Refractive index behind the lens, where the film is; 1 in air.
+    pub index_film: f64,
+    /// z of the scene-side nodal point: a ray toward it leaves the lens from the other one in the same
+    /// direction. Nodal points are the principal points if both indices are equal, and NaN for an afocal lens.
+    pub front_nodal_point_mm: f64,
+    /// z of the film-side nodal point.
+    pub rear_nodal_point_mm: f64,
 }
 
 /// One surface of a lens. `realistic_lens_get_surface` fills this structure.
@@ -125,6 +134,7 @@ pub unsafe extern "C" fn realistic_lens_get_info(
 fn info_of(opened: &OpenedLens) -> realistic_lens_info {
     let OpenedLens { lens, first_order, beam, .. } = opened;
     let AxialBeam { entrance, exit, .. } = beam;
+    let [index_scene, index_film] = lens.outer_indices();
     let optics = first_order.as_ref().ok();
     let of = |position: fn(&FirstOrder) -> f64| optics.map_or(f64::NAN, position);
     let focal_length = optics.map_or(f64::INFINITY, |optics| optics.focal_length);
@@ -155,6 +165,10 @@ fn info_of(opened: &OpenedLens) -> realistic_lens_info {
         tnumber_bare: tnumber(Coating::Bare),
         tnumber_quarter_wave: tnumber(Coating::QuarterWave),
         fnumber_paraxial: beam.paraxial_fnumber(focal_length),
+        index_scene,
+        index_film,
+        front_nodal_point_mm: of(|optics| optics.nodal_points()[0]),
+        rear_nodal_point_mm: of(|optics| optics.nodal_points()[1]),
     }
 }
 

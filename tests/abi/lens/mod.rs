@@ -161,6 +161,10 @@ fn a_singlets_facts_are_the_thick_lens_formulas() {
     near(info.rear_focal_point_mm, -10.0 - back);
     near(info.rear_principal_plane_mm, -10.0 - back + 1.0 / power);
     near(info.front_focal_point_mm, -4.0 + back);
+    // In air, nodal points are principal points.
+    assert_eq!((info.index_scene, info.index_film), (1.0, 1.0));
+    assert_eq!(info.front_nodal_point_mm, info.front_principal_plane_mm);
+    assert_eq!(info.rear_nodal_point_mm, info.rear_principal_plane_mm);
     assert_eq!((info.surfaces, info.stop, info.limiting, info.wavelength), (3, 0, 0, 587.56));
     // The stop is the first surface.
     near(info.entrance_pupil_mm, 0.0);

@@ -54,14 +54,18 @@ pub fn write(lens: &Prescription) -> String {
         interface.apertures.iter().for_each(|aperture| write_aperture(&mut text, row, aperture));
     }
     let names = glass_names(lens);
-    for (name, interface) in &names {
-        let named = lens.glass_behind(interface).map(|(_, glass)| glass);
+    for (name, (medium, glass)) in &names {
+        let named = glass.and_then(|glass| lens.glasses.get(glass)).map(|(_, glass)| glass);
         let range = named.and_then(|glass| glass.range).map_or_else(String::new, range);
-        line(&mut text, "glass", &[name.clone(), definition(interface.medium) + &range]);
+        line(&mut text, "glass", &[name.clone(), definition(*medium) + &range]);
         if let Some(absorption) = named.and_then(|glass| glass.transmittance.as_ref()) {
             let knots = absorption.knots().iter().flat_map(|[nm, per_mm, _]| [*nm, *per_mm].map(number));
             line(&mut text, "absorption", &[vec![name.clone()], knots.collect()].concat());
         }
+    }
+    let object = (lens.object_medium, lens.object_glass);
+    if lens.object_medium != Medium::Air {
+        line(&mut text, "medium", &medium_cells(object, &names));
     }
     for (row, interface) in lens.interfaces.iter().enumerate() {
         if let Shape::Asphere(asphere) = &interface.shape {
@@ -95,11 +99,11 @@ pub fn write(lens: &Prescription) -> String {
         text += "# radius, thickness, n_d or glass, V-number, clear diameter\n";
     }
     let last = lens.interfaces.len() - 1;
-    let mut in_front = Medium::Air;
+    let mut in_front = lens.object_medium;
     for (row, interface) in lens.interfaces.iter().enumerate() {
         let thickness =
             if row < last { interface.thickness } else { lens.nominal_film_distance.unwrap_or(0.0) };
-        let [n_d, abbe] = medium_cells(interface, &names);
+        let [n_d, abbe] = medium_cells((interface.medium, interface.glass), &names);
         let cells = [
             radius(interface, in_front),
             number(thickness),
@@ -168,24 +172,28 @@ fn range(range: [f64; 2]) -> String {
     format!(" from={from} to={to}")
 }
 
-/// Returns the glasses that have a formula, each with a name that is valid in a table and with the first interface in
-/// front of the glass. The name is the lens's own name for the glass if that is a word that begins with a letter.
-fn glass_names(lens: &Prescription) -> Vec<(String, Interface)> {
-    let mut names: Vec<(String, Interface)> = Vec::new();
-    for interface in &lens.interfaces {
-        let has_formula = matches!(interface.medium, Medium::Sellmeier { .. } | Medium::Formula(_));
-        if !has_formula || names.iter().any(|(_, known)| has_one_glass(known, interface)) {
+/// A medium, with the position of its glass in [`Prescription::glasses`]. Glasses of one formula may absorb
+/// differently.
+type OwnMedium = (Medium, Option<usize>);
+
+/// Returns the media that have a formula, each with a name that is valid in a table. The name is the lens's own name for
+/// the glass if that is a word that begins with a letter.
+fn glass_names(lens: &Prescription) -> Vec<(String, OwnMedium)> {
+    let mut names: Vec<(String, OwnMedium)> = Vec::new();
+    for medium in lens.media() {
+        let has_formula = matches!(medium.0, Medium::Sellmeier { .. } | Medium::Formula(_));
+        if !has_formula || names.iter().any(|(_, known)| *known == medium) {
             continue;
         }
-        let own = lens.glass_behind(interface).map(|(name, _)| name.as_str());
+        let own = medium.1.and_then(|glass| lens.glasses.get(glass)).map(|(name, _)| name.as_str());
         let is_taken =
-            |name: &str, names: &[(String, Interface)]| names.iter().any(|(known, _)| known == name);
+            |name: &str, names: &[(String, OwnMedium)]| names.iter().any(|(known, _)| known == name);
         let own = own.filter(|name| is_word(name) && !is_taken(name, &names));
         let name = own.map_or_else(
             || (1..).map(|i| format!("glass-{i}")).find(|name| !is_taken(name, &names)).expect("one is free"),
             str::to_owned,
         );
-        names.push((name, interface.clone()));
+        names.push((name, medium));
     }
     names
 }
@@ -207,11 +215,6 @@ fn write_aperture(text: &mut String, row: usize, aperture: &Aperture) {
         constants.filter(|(_, value)| *value != 0.0).map(|(name, value)| format!("{name}={}", number(value))),
     );
     line(text, if is_obstruction { "obstruction" } else { "aperture" }, &words);
-}
-
-/// Whether both interfaces have the same glass behind them.
-fn has_one_glass(a: &Interface, b: &Interface) -> bool {
-    a.glass == b.glass && a.medium == b.medium
 }
 
 /// Whether a table accepts the word as the name of a glass.
@@ -275,13 +278,13 @@ fn radius(interface: &Interface, in_front: Medium) -> String {
 }
 
 /// Returns the cells for the index and the V-number.
-fn medium_cells(interface: &Interface, names: &[(String, Interface)]) -> [String; 2] {
+fn medium_cells(medium: OwnMedium, names: &[(String, OwnMedium)]) -> [String; 2] {
     let dash = || "-".to_owned();
-    match interface.medium {
+    match medium.0 {
         Medium::Air => [dash(), dash()],
         Medium::Glass { n_d, abbe } => [number(n_d), or_dash(abbe)],
         Medium::Sellmeier { .. } | Medium::Formula(_) => {
-            let own = names.iter().find(|(_, known)| has_one_glass(known, interface));
+            let own = names.iter().find(|(_, known)| *known == medium);
             let name = own.map(|(name, _)| name.clone());
             [name.expect("every glass with a formula has a name"), dash()]
         }
@@ -338,6 +341,9 @@ mod tests {
         for single in [
             "50\n20 5 1.5 - 10\n-20 - - - 10",
             "20 5 1.5 60 10\n-20 30 - - 10\nfocal 20\nfnumber 4\nfield 30",
+            "medium 1.33306 55.8\n20 5 1.5 60 10\n-20 30 1.336 - 10",
+            "medium 1.33\n20 5 N-BK7 - 10\n-20 30 N-BK7 - 10\nabsorption N-BK7 400 0.1",
+            "glass sea sellmeier B1=0.75 B2=0 B3=0 C1=0.01 C2=0 C3=0\nmedium sea\nstop 1 sea - 9\n20 5 1.5 - 10\n-20 30 sea - 10",
         ] {
             there_and_back(&read("single.dat", single.as_bytes()).unwrap());
         }

@@ -46,6 +46,7 @@ impl Facts {
                 format!("{} nm", as_given(lens.wavelength)),
                 json!({ "wavelength": lens.wavelength }),
             ),
+            media(lens),
         ];
         facts.extend(first_order(optics, *stated));
         let beam = AxialBeam::of(lens);
@@ -68,13 +69,29 @@ impl Facts {
     }
 }
 
-/// Returns focal length and cardinal points; with air on both sides, the nodal points are the principal points.
+/// Returns the refractive indices in front of the lens and behind it; there is no text for a lens in air.
+fn media(lens: &Lens) -> Fact {
+    let indices = lens.outer_indices();
+    let [scene, film] = indices.map(|index| fixed(index, 6));
+    fact(
+        "media",
+        (indices != [1.0; 2]).then(|| format!("n = {scene} at the scene, {film} at the film")),
+        json!({ "index_scene": indices[0], "index_film": indices[1] }),
+    )
+}
+
+/// Returns the focal length and the cardinal points.
 fn first_order(optics: Option<FirstOrder>, stated: Option<f64>) -> [Fact; 5] {
     let formatted = |format: &dyn Fn(FirstOrder) -> String| optics.map(format);
     let both =
         |front: f64, rear: f64| format!("z = {} mm (scene), {} mm (film)", fixed(front, 4), fixed(rear, 4));
     let planes = |o: FirstOrder| both(o.front_principal_plane, o.rear_principal_plane);
-    let (front, rear) = (optics.map(|o| o.front_principal_plane), optics.map(|o| o.rear_principal_plane));
+    let nodal_points = |o: FirstOrder| {
+        let [front, rear] = o.nodal_points();
+        let is_one =
+            if o.n_scene == o.n_film { ", the principal points, as one medium is on both sides" } else { "" };
+        both(front, rear) + is_one
+    };
     let in_file = stated.map_or_else(String::new, |f| format!(" (the file states {} mm)", as_given(f)));
     let focal_length = formatted(&|o| format!("{} mm{in_file}", fixed(o.focal_length, 4)));
     let afocal = || "none: the lens is afocal, parallel rays leave it parallel".to_owned();
@@ -103,12 +120,18 @@ fn first_order(optics: Option<FirstOrder>, stated: Option<f64>) -> [Fact; 5] {
         fact(
             "principal planes",
             formatted(&planes),
-            json!({ "front_principal_plane_z_mm": front, "rear_principal_plane_z_mm": rear }),
+            json!({
+                "front_principal_plane_z_mm": optics.map(|o| o.front_principal_plane),
+                "rear_principal_plane_z_mm": optics.map(|o| o.rear_principal_plane),
+            }),
         ),
         fact(
             "nodal points",
-            formatted(&|o| planes(o) + ", air being on both sides"),
-            json!({ "front_nodal_point_z_mm": front, "rear_nodal_point_z_mm": rear }),
+            formatted(&nodal_points),
+            json!({
+                "front_nodal_point_z_mm": optics.map(|o| o.nodal_points()[0]),
+                "rear_nodal_point_z_mm": optics.map(|o| o.nodal_points()[1]),
+            }),
         ),
     ]
 }
@@ -203,7 +226,8 @@ fn transmission(
 
 /// Returns the film's position, and the field of view on a film with this `diagonal` in mm.
 fn film(lens: &Lens, optics: Option<FirstOrder>, film_distance: Option<f64>, diagonal: f64) -> [Fact; 2] {
-    let paraxial = film_distance.and(optics).map(|optics| field::paraxial(optics.focal_length, diagonal));
+    let paraxial =
+        film_distance.and(optics).map(|optics| field::paraxial(optics.front_focal_length(), diagonal));
     let field = film_distance.map(|distance| Field::new(lens, lens.rear().vertex - distance));
     let real = field.as_ref().and_then(|field| field.real(diagonal));
     let lit = field.as_ref().and_then(|field| field.lit_radius(diagonal / 2.0));
@@ -267,6 +291,24 @@ mod tests {
         assert!((json["focal_length_mm"].as_f64().unwrap() - focal_length).abs() < 1e-12);
         assert!((json["fnumber"].as_f64().unwrap() - focal_length / 4.0).abs() < 1e-12);
         assert!(facts.text().lines().any(|line| line.starts_with("f-number") && !line.contains("paraxial")));
+    }
+
+    #[test]
+    fn media_are_stated_and_nodal_points_differ_from_principal_points() {
+        // An eye of one surface of radius 6: both nodal points are its centre.
+        let eye = facts("6 0 1.336 8\n", None);
+        assert!(eye.text().contains("media             n = 1.000000 at the scene, 1.336000 at the film\n"));
+        assert!(
+            eye.text().contains("nodal points      z = -6.0000 mm (scene), -6.0000 mm (film)\n"),
+            "{}",
+            eye.text()
+        );
+        let json = eye.json();
+        assert_eq!([&json["index_scene"], &json["index_film"]], [1.0, 1.336]);
+        assert!((json["rear_nodal_point_z_mm"].as_f64().unwrap() + 6.0).abs() < 1e-12);
+        let single = facts("20 3 1.5 6\n-20 0 1 10\n", None);
+        assert!(single.text().contains("(film), the principal points"));
+        assert!(!single.text().contains("media"));
     }
 
     #[test]

@@ -11,20 +11,21 @@ use realistic_trace::kernel::{Grouping, InVectors, LensRays, RayBuffer, in_vecto
 pub struct ImportanceFilm {
     side: FilmSide,
     weight: Option<f64>,
-    /// Width and height, mm.
-    size: [f64; 2],
+    /// The film's area, mm², times the radiance factor (n'/n)² of the media at both ends of the lens, by which
+    /// cosθ dA dω at the scene exceeds that at the film.
+    area: f64,
     /// x and y of the film's centre in the sampler's coordinates, mm.
     center: [f64; 2],
     simd: Available,
 }
 
 impl ImportanceFilm {
-    /// Returns the film of a camera body.
-    pub fn new(body: &CameraBody) -> Self {
+    /// Returns the film of a camera body behind a lens with this factor (n'/n)².
+    pub fn new(body: &CameraBody, radiance_factor: f64) -> Self {
         let film = &body.film_side.film;
         let (size, center) = (film.half_size().map(|half| 2.0 * half), film.sampled_center());
         let (side, weight, simd) = (body.film_side.clone(), body.weight, Available::best());
-        Self { side, weight, size, center, simd }
+        Self { side, weight, area: size[0] * size[1] * radiance_factor, center, simd }
     }
 
     /// Returns z of the film, mm.
@@ -98,7 +99,7 @@ impl Arrivals<'_> {
         arrived: &FilmRays<L>,
         flat_per_area: L,
     ) {
-        let (ImportanceFilm { side, weight, size, center, .. }, rays) = (self.film, &mut self.rays);
+        let (ImportanceFilm { side, weight, area, center, .. }, rays) = (self.film, &mut self.rays);
         let number = |number: f64| L::splat(cpu, number);
         let (zero, one) = (number(0.0), number(1.0));
         let FilmRays { point, slopes, area_per_pi, .. } = *arrived;
@@ -110,7 +111,7 @@ impl Arrivals<'_> {
         let passes = L::both(is_on_film, zero.less(left));
         let weight =
             weight.map_or(L::select(zero.less(patch), one, zero), |weight| (number(weight) * patch) * left);
-        let density = flat_per_area / (number(size[0] * size[1]) * patch);
+        let density = flat_per_area / (number(*area) * patch);
         let counts = L::both(passes, density.abs().less(number(f64::INFINITY)));
         store([raster[0], raster[1], weight.or_zero(counts)], &mut rays.origin, at);
         density.store(&mut rays.direction[0][at..]);

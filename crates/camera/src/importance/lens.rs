@@ -77,7 +77,7 @@ impl AdjointLens {
     /// Returns the adjoint of a lens in front of a camera body.
     pub fn new(lens: &Lens, body: &CameraBody) -> Self {
         let pupil = AxialBeam::of(lens).entrance;
-        let film = ImportanceFilm::new(body);
+        let film = ImportanceFilm::new(body, lens.radiance_factor());
         let whole = Path::new(lens, Direction::SceneToFilm, Refraction::Fused);
         let kernel = Kernel::along(&whole.clone().with_apertures(lens));
         Self {

@@ -5,12 +5,13 @@
 //! Simulation*, 1997, §4.5-4.6; `We` of M. Pharr, W. Jakob and G. Humphreys, *Physically Based Rendering*, 3rd ed.
 //! 2016, §16.1): We multiplies L cosθ dA dω, where dA is area on the plane z = 0 of camera space in square world units.
 //! A camera's rays from uniformly distributed samples have a density in the same measure, and **the weight of
-//! a ray is We divided by that density**. As cosθ dA dω is the same on both sides of a lens, the density is
-//! 1/(A_film π J cos⁴θ'), where π J is the slope area per sample (A/Z² for a disk), θ' the ray's angle to the
-//! axis at the film, and A_film the film's area in square world units. We follows from the weight: it is
-//! 1/A_film for `radiometric` weights, times the ray's transmission if the camera includes transmission. An
-//! ideal lens conserves slopes instead of cosθ dA dω; for an ideal lens and for a stock camera, the density
-//! is that of the rays which that camera itself generates.
+//! a ray is We divided by that density**. A lens conserves n² cosθ dA dω, n being the index on either side: with n in
+//! the scene and n' at the film, the density is (n/n')²/(A_film π J cos⁴θ'), where π J is the slope area per sample
+//! (A/Z² for a disk), θ' the ray's angle to the axis at the film, and A_film the film's area in square world units. We
+//! follows from the weight: it is 1/A_film for `radiometric` weights, whatever the media, times the ray's transmission
+//! if the camera includes transmission. The factor (n'/n)² of the weight is that of the density's reciprocal. An ideal
+//! lens conserves slopes instead of cosθ dA dω; for an ideal lens and for a stock camera, the density is that of the
+//! rays which that camera itself generates.
 //!
 //! `pose` transforms rays from the world into camera space. `lens` traces them through a lens, `linear`
 //! through ideal lenses and stock cameras; both also sample directions toward the lens from points of the

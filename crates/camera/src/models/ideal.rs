@@ -60,7 +60,7 @@ impl IdealCamera {
         let (imaging, film_z, pupil) = if model == Model::Thin {
             let image_distance = first_order.rear_principal_plane - film_z;
             if !(image_distance > 0.0) {
-                let least = first_order.back_focal_distance() - first_order.focal_length;
+                let least = first_order.back_focal_distance() - first_order.rear_focal_length();
                 return Err(ParameterError::Range {
                     name: "film_distance",
                     value: short(facts.film_distance),
@@ -74,9 +74,12 @@ impl IdealCamera {
         } else {
             (first_order, film_z, pupil)
         };
+        let radiance_factor = facts.lens.radiance_factor();
         let weight = match setup.weighting {
-            Weighting::Radiometric => Some(setup.exposure),
-            Weighting::Assignment => Some(pupil.area().ok_or(CameraError::PupilAtInfinity)?.recip()),
+            Weighting::Radiometric => Some(setup.exposure * radiance_factor),
+            Weighting::Assignment => {
+                Some(radiance_factor / pupil.area().ok_or(CameraError::PupilAtInfinity)?)
+            }
             // ∫ cos⁴ d(slope)² over a disk of radius s is π s²/(1 + s²).
             Weighting::Relative => Some(pupil.slope_area().recip() + PI.recip()),
             Weighting::None => None,
@@ -137,7 +140,9 @@ impl IdealCamera {
 /// plane.
 fn linear(imaging: &FirstOrder, pupil: &PupilDisk, body: &CameraBody) -> Linear {
     let FilmSide { film, z, .. } = &body.film_side;
-    let [[a, b], [c, d]] = imaging.from_film(*z);
+    // The inverse of the matrix from the film.
+    let determinant = imaging.n_film / imaging.n_scene;
+    let [[a, b], [c, d]] = imaging.from_film(*z).map(|row| row.map(|number| number / determinant));
     let at_film = PlaneMap { from_height: d, from_slope: -b };
     let slope = PlaneMap { from_height: -c, from_slope: a };
     // A disk coordinate is the ray's slope minus the slope to the disk's centre.

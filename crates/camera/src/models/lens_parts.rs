@@ -108,15 +108,16 @@ pub(super) fn weight_factor(
     sampler: &PupilSampler,
     [rear, exit]: [PupilDisk; 2],
 ) -> Result<Option<f64>, CameraError> {
+    let radiance_factor = setup.facts.lens.radiance_factor();
     let weight = match setup.weighting {
-        Weighting::Radiometric => Some(setup.exposure),
+        Weighting::Radiometric => Some(setup.exposure * radiance_factor),
         Weighting::Assignment => {
             let area = match setup.pupil {
                 // The sampled disk grows with the film, but exposure must not depend on the film's size.
                 Pupil::Rear => clear_area(setup),
                 Pupil::Disk | Pupil::Warped => exit.area().ok_or(CameraError::PupilAtInfinity)?,
             };
-            Some(area.recip())
+            Some(radiance_factor / area)
         }
         Weighting::Relative => {
             // Averaging over the disk in use makes the mean weight on the axis 1 for either pupil.

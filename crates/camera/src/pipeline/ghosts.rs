@@ -148,30 +148,46 @@ impl GhostRays {
     }
 }
 
+/// The lens paths at any wavelength.
+pub struct SpectralGhosts {
+    pub paths: Arc<SpectralPaths>,
+    /// Range of wavelengths, nm.
+    pub range: RangeInclusive<f32>,
+    /// The radiance factor (n'/n)² of the media at both ends at the camera's own wavelength, which the weights contain.
+    pub own: f64,
+}
+
+impl SpectralGhosts {
+    /// Traces a ghost at a wavelength, nm. The share of the light contains the change of the radiance factor.
+    fn trace(&self, pair: &PairChoice, wavelength: f64, ray: Ray) -> Result<(Ray, f64), Blocked> {
+        let (ray, share) = self.paths.trace(Some(pair.pair), wavelength, ray)?;
+        Ok((ray, share * (self.paths.radiance_factor(wavelength) / self.own)))
+    }
+}
+
 /// The camera's own tracer, with a share of the samples traced as ghosts.
 pub struct GhostTracer {
     direct: Arc<dyn LensTracer>,
     ghosts: Arc<GhostRays>,
-    /// The lens paths at any wavelength and the range of wavelengths, nm; `None` if rays have no wavelengths
-    /// of their own.
-    paths: Option<(Arc<SpectralPaths>, RangeInclusive<f32>)>,
+    /// The lens paths at any wavelength; `None` if rays have no wavelengths of their own.
+    spectral: Option<SpectralGhosts>,
 }
 
 impl GhostTracer {
     pub fn new(
         direct: Arc<dyn LensTracer>,
         ghosts: Arc<GhostRays>,
-        paths: Option<(Arc<SpectralPaths>, RangeInclusive<f32>)>,
+        spectral: Option<SpectralGhosts>,
     ) -> Self {
-        Self { direct, ghosts, paths }
+        Self { direct, ghosts, spectral }
     }
 
     /// Returns the ray of a sample along a pair's path, at a wavelength, nm, if rays have wavelengths of their own.
     fn ghost(&self, sample: &Sample, pair: &PairChoice, wavelength: Option<f32>) -> Option<(WorldRay, f32)> {
-        match (&self.paths, wavelength) {
-            (Some((paths, range)), Some(wavelength)) => {
-                let trace = |ray| paths.trace(Some(pair.pair), wavelength.into(), ray);
-                range.contains(&wavelength).then(|| self.ghosts.ray(sample, pair, trace))?
+        match (&self.spectral, wavelength) {
+            (Some(spectral), Some(wavelength)) => {
+                let trace = |ray| spectral.trace(pair, wavelength.into(), ray);
+                spectral.range.contains(&wavelength).then(|| self.ghosts.ray(sample, pair, trace))?
             }
             _ => self.ghosts.own_ray(sample, pair),
         }

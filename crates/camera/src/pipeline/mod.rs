@@ -22,8 +22,10 @@
 //!    (Kolb, Mitchell and Hanrahan 1995, equation 2). The weight is the one-sample Monte Carlo estimate of E, divided by L:
 //!
 //!    ```text
-//!    w = f T π J cos⁴θ
+//!    w = f T (n'/n)² π J cos⁴θ
 //!    ```
+//!
+//!    The radiance at the film is (n'/n)² L, with the refractive index n' of the film's medium and n of the scene's.
 //!
 //!    With `transmission`, T is the fraction of its light that the ray still carries; otherwise T = 1. The
 //!    parameter `weighting` selects f: 1 for `radiometric`; for `assignment` 1/A, where A is the area of the

@@ -99,7 +99,7 @@ pub(super) fn warn_of_blurred_film(facts: &Facts, optics: &FocusableLens, is_giv
     let (distance, diagonal) = (facts.film_distance, facts.film.diagonal());
     let why = match in_focus {
         Some(_) => {
-            let blur = (infinity - distance) / facts.fnumber();
+            let blur = (infinity - distance) / (facts.fnumber() * facts.lens.rear().n_film);
             if blur <= MOST_DEFOCUS * diagonal {
                 return;
             }
@@ -132,7 +132,9 @@ pub(super) fn warn_of_blurred_film(facts: &Facts, optics: &FocusableLens, is_giv
 /// Warns of a lens of several elements whose axial image is worse than that of any real design, because the
 /// lens's description is then probably wrong.
 fn warn_of_blur(lens: &Lens, focus: &Focus, log: Log<'_>) {
-    let elements = lens.surfaces.iter().filter(|surface| surface.n_film > 1.0).count();
+    // The medium behind the last surface is that of the film.
+    let before_last = &lens.surfaces[..lens.surfaces.len() - 1];
+    let elements = before_last.iter().filter(|surface| surface.n_film > 1.0).count();
     let [spot, bundle] = focus.axial_spot();
     if elements >= CORRECTED && spot > MOST_BLUR[0] * bundle && spot > MOST_BLUR[1] * focus.focal_length() {
         log(
@@ -159,9 +161,10 @@ fn paraxial_film_distance(
     if let Some(film_distance) = focus.paraxial_film_distance(distance) {
         return Ok(film_distance);
     }
-    // The distance between object and image is smallest at magnification -1.
-    let film_distance = first_order.back_focal_distance() + first_order.focal_length;
-    let object = first_order.front_focal_point + first_order.focal_length;
+    // In air the distance between object and image is smallest at magnification -1.
+    let focal_length = first_order.mean_focal_length();
+    let film_distance = first_order.back_focal_distance() + focal_length;
+    let object = first_order.front_focal_point + focal_length;
     let nearest = object - first_order.rear_vertex + film_distance;
     Err(FocusError::TooNear { lens: lens.to_owned(), distance, nearest, film_distance })
 }

@@ -40,9 +40,9 @@ pub struct Setup {
     pub facts: Facts,
     /// The parts of the set-up that another camera with this lens may reuse.
     pub shared: SharedLens,
-    /// The medium on the film's side of each surface.
+    /// The media from the scene's to the film's, one more than surfaces.
     pub media: Vec<Medium>,
-    /// Absorption of each medium; `None` if it is not known.
+    /// Absorption of the medium behind each surface; `None` if it is not known.
     pub transmittances: Vec<Option<Arc<InternalTransmittance>>>,
     pub refraction: Refraction,
     pub pupil: Pupil,
@@ -97,7 +97,7 @@ impl Setup {
             facts,
             shared,
             transmittances: prescription.transmittances(),
-            media: prescription.interfaces.iter().map(|interface| interface.medium).collect(),
+            media: prescription.media().map(|(medium, _)| medium).collect(),
             refraction: given.refraction(),
             pupil: given.pupil(),
             mapping: disk_mapping(given, host)?,

@@ -7,8 +7,9 @@
 //! Engineering*, on stops and pupils). In a fast lens a real ray is lower or higher at a surface than the paraxial ray,
 //! and another aperture may limit the beam. Here the limiting aperture is the one that blocks the first ray outside the
 //! beam. The pupils lie where first-order optics images that aperture. The entrance pupil is as wide as the beam, so
-//! that the f-number is the focal length divided by the diameter of the entrance pupil. The exit pupil is larger or
-//! smaller than the entrance pupil by the magnification between the two.
+//! that the f-number is the focal length 1/φ divided by the diameter of the entrance pupil. By Abbe's sine condition
+//! this is 1/(2 n' sin U') in any medium. The exit pupil is larger or smaller than the entrance pupil by the
+//! magnification between the two.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -68,7 +69,7 @@ impl AxialBeam {
         self.entrance.diameter()
     }
 
-    /// Returns the f-number of a lens: the focal length (mm, of either sign) divided by the diameter of the beam. The
+    /// Returns the f-number of a lens: the focal length 1/φ (mm, of either sign) divided by the diameter of the beam. The
     /// f-number of an afocal or a dark lens is infinite.
     pub fn fnumber(&self, focal_length: f64) -> f64 {
         focal_length.abs() / self.diameter()

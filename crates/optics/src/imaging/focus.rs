@@ -8,7 +8,7 @@
 //! equation the paraxial image distance is linear in u, and infinity is simply u = 0. b(u) is the distance of the best
 //! image from the last vertex. Object distances are counted from the film plane, which moves, so that D(u) = F + 1/u -
 //! z' + b(u), where z' is the z of the last vertex. D has one minimum, near u = 1/f; a lens focuses on the branch from
-//! infinity to that minimum.
+//! infinity to that minimum. Here f is √(n n')/φ, with the indices of the media in front of the lens and behind it.
 //!
 //! **Depth of field.** This is the range of object distances in which the blur of an axial point on the film stays
 //! below a circle of confusion. It is computed from the thick lens and its entrance pupil. Let D be the diameter of the
@@ -235,7 +235,7 @@ impl Focus {
             return Ok(self.behind_the_lens(self.at_infinity.distance));
         }
         // The end of the paraxial branch nearly always suffices, without a search for the true end.
-        let mut end = 1.0 / self.first_order.focal_length;
+        let mut end = 1.0 / self.first_order.mean_focal_length();
         if !(residual(end) <= 0.0) {
             end = self.nearest_parameter();
             if !(residual(end) <= 0.0) {
@@ -254,7 +254,8 @@ impl Focus {
     /// Returns [`Focus::film_distance`] by first-order optics alone; `None` if the plane is nearer than the paraxial
     /// limit, 2 f plus the distance between the focal points.
     pub fn paraxial_film_distance(&self, distance: f64) -> Option<f64> {
-        let FirstOrder { focal_length: f, front_focal_point, rear_focal_point, .. } = self.first_order;
+        let FirstOrder { front_focal_point, rear_focal_point, .. } = self.first_order;
+        let f = self.first_order.mean_focal_length();
         // The smaller root of f² u² - p u + 1 = 0, in a form without cancellation.
         let p = distance - (front_focal_point - rear_focal_point);
         let discriminant = p - 4.0 * f * f / p;
@@ -275,9 +276,9 @@ impl Focus {
         if residual(0.0) >= 0.0 {
             return Some(f64::INFINITY);
         }
-        let paraxial =
-            (film_distance - self.first_order.back_focal_distance()) / self.first_order.focal_length.powi(2);
-        let mut end = paraxial.max(0.1 / self.first_order.focal_length);
+        let focal_length = self.first_order.mean_focal_length();
+        let paraxial = (film_distance - self.first_order.back_focal_distance()) / focal_length.powi(2);
+        let mut end = paraxial.max(0.1 / focal_length);
         for _ in 0..60 {
             if self.first_order.front_focal_point + end.recip() <= 0.0 {
                 return None;
@@ -302,7 +303,7 @@ impl Focus {
     }
 
     fn nearest_parameter(&self) -> f64 {
-        let end = 1.0 / self.first_order.focal_length;
+        let end = 1.0 / self.first_order.mean_focal_length();
         let highest = match self.first_order.front_focal_point {
             // The object stays in front of the front vertex.
             behind if behind < 0.0 => (2.0 * end).min(0.999 / -behind),
@@ -383,12 +384,13 @@ impl DepthOfField {
         let film = first_order.rear_vertex - film_distance;
         let from_film = |z: f64| z - film;
         let focal_point = first_order.front_focal_point;
-        let hyperfocal = from_film(focal_point + first_order.focal_length * diameter / confusion);
+        let focal_length = first_order.front_focal_length();
+        let hyperfocal = from_film(focal_point + focal_length * diameter / confusion);
         // 1/s₁ = (1 ± blur/D)/s, where the blur is the diameter of the circle of confusion projected into the plane in
         // focus. The equation is written in reciprocals, so that a plane at infinity is no special case.
         let focus = film + focus_distance;
         let vergence = (focus - pupil).recip();
-        let magnification_per_distance = first_order.focal_length / (1.0 + (pupil - focal_point) * vergence);
+        let magnification_per_distance = focal_length / (1.0 + (pupil - focal_point) * vergence);
         let spread = confusion / (diameter * magnification_per_distance);
         let limit = |vergence: f64| {
             if vergence > 0.0 { from_film(pupil + vergence.recip()) } else { f64::INFINITY }

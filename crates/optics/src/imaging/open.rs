@@ -144,10 +144,12 @@ pub fn set_up(
         log(Level::Warning, &text);
     }
     let mut lens = Lens::new(prescription, wavelength);
-    if let Some(row) = lens.surfaces.iter().position(|surface| !(surface.n_film >= 1.0)) {
-        let (lens, index) = (lens.name, lens.surfaces[row].n_film);
-        return Err(LensError::Index { lens, row: row + 1, index, wavelength });
+    let in_front = lens.front().n_scene;
+    let mut indices = std::iter::once(in_front).chain(lens.surfaces.iter().map(|surface| surface.n_film));
+    if let Some((row, index)) = indices.by_ref().enumerate().find(|(_, index)| !(*index >= 1.0)) {
+        return Err(LensError::Index { lens: prescription.name.clone(), row, index, wavelength });
     }
+    report_media(&lens, log);
     report_crossings(&lens, log);
     // Cardinal points do not depend on the stop.
     let first_order = FirstOrder::of(&lens);
@@ -233,6 +235,20 @@ fn stop_to_fnumber(lens: &mut Lens, focal_length: f64, number: f64, log: Log<'_>
         log(Level::Warning, &text);
     }
     Ok(())
+}
+
+/// Reports the media of the scene and of the film, unless both are air.
+fn report_media(lens: &Lens, log: Log<'_>) {
+    let [n_scene, n_film] = lens.outer_indices();
+    if n_scene != 1.0 || n_film != 1.0 {
+        let text = format!(
+            "lens \"{}\": the scene lies in a medium of index {}, and the film in a medium of index {}",
+            lens.name,
+            short(n_scene),
+            short(n_film)
+        );
+        log(Level::Info, &text);
+    }
 }
 
 /// Warns of the first two surfaces whose crossing blocks rays. Also reports surfaces that overlap so little that rays

@@ -1,10 +1,10 @@
 //! The film that brings a plane through three points of the scene into focus: the distance and the tilt of that film
 //! (T. Scheimpflug 1904).
 //!
-//! First-order optics images points to points and planes to planes. A point at the distance s in front of the front
-//! principal plane has its image at s' = f s/(s - f) behind the rear principal plane, with the magnification s'/s. The
-//! film is the plane through the images of the three points. For a film tilted by a, the plane of focus is tilted by b,
-//! where tan b = (s/s') tan a.
+//! First-order optics images points to points and planes to planes. In air, a point at the distance s in front of the
+//! front principal plane has its image at s' = f s/(s - f) behind the rear principal plane, with the magnification s'/s.
+//! The film is the plane through the images of the three points. For a film tilted by a, the plane of focus is tilted by
+//! b, where tan b = (s/s') tan a. This holds in any media.
 //!
 //! Exact rays come to focus a little before or behind first-order rays. The film is moved by the difference found on
 //! the axis.
@@ -84,9 +84,9 @@ impl FocusedFilm {
                 return Err(PlaneError::TooNear { number, z, least: lens.front_focal_point });
             }
             let beyond = z - lens.front_focal_point;
-            // Newton's equation: s' - f = f²/(s - f), and the magnification is f/(s - f).
-            let scale = -lens.focal_length / beyond;
-            *image = [x * scale, y * scale, lens.rear_focal_point + lens.focal_length * scale];
+            // Newton's equation: the image lies f f'/(s - f) behind F', and the magnification is f/(s - f).
+            let scale = -lens.front_focal_length() / beyond;
+            *image = [x * scale, y * scale, lens.rear_focal_point + lens.rear_focal_length() * scale];
         }
         let normal = unit(normal(images, LEAST_ANGLE).ok_or(PlaneError::NoPlane)?);
         let normal = if normal[2] < 0.0 { normal.map(|part| -part) } else { normal };

@@ -65,12 +65,20 @@ impl Abcd {
     }
 }
 
-/// The cardinal points of a lens in air. All positions are z in lens space, mm. The nodal points coincide with the
-/// principal points, because both sides are air.
+/// The cardinal points of a lens. All positions are z in lens space, mm.
+///
+/// With the power φ, the index n of the scene's medium and the index n' of the film's, the distances from the principal
+/// planes to the focal points are the focal lengths f = n/φ and f' = n'/φ. The nodal points coincide with the principal
+/// points if n = n', as in air.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FirstOrder {
-    /// Effective focal length, mm; negative for a diverging lens.
+    /// Effective focal length 1/φ, mm; negative for a diverging lens. In air this is the distance from a principal
+    /// plane to its focal point.
     pub focal_length: f64,
+    /// Refractive index n of the medium in front of the lens.
+    pub n_scene: f64,
+    /// Refractive index n' of the medium behind the lens.
+    pub n_film: f64,
     /// Scene-side focal point F.
     pub front_focal_point: f64,
     /// Film-side focal point F'.
@@ -98,17 +106,44 @@ impl FirstOrder {
             return Err(LensError::Afocal { lens: lens.name.clone() });
         }
         let focal_length = -1.0 / matrix.c;
+        let [n_scene, n_film] = lens.outer_indices();
+        let (front, rear) = (focal_length * n_scene, focal_length * n_film);
         let rear_vertex = lens.rear().vertex;
-        let front_focal_point = matrix.d * focal_length;
-        let rear_focal_point = rear_vertex - matrix.a * focal_length;
+        let front_focal_point = matrix.d * front;
+        let rear_focal_point = rear_vertex - matrix.a * rear;
         Ok(Self {
             focal_length,
+            n_scene,
+            n_film,
             front_focal_point,
             rear_focal_point,
-            front_principal_plane: front_focal_point - focal_length,
-            rear_principal_plane: rear_focal_point + focal_length,
+            front_principal_plane: front_focal_point - front,
+            rear_principal_plane: rear_focal_point + rear,
             rear_vertex,
         })
+    }
+
+    /// Returns the focal length n/φ on the scene's side, mm: the distance from F to P.
+    pub fn front_focal_length(&self) -> f64 {
+        self.focal_length * self.n_scene
+    }
+
+    /// Returns the focal length n'/φ on the film's side, mm: the distance from P' to F'.
+    pub fn rear_focal_length(&self) -> f64 {
+        self.focal_length * self.n_film
+    }
+
+    /// Returns √(n n')/φ, mm: the distances of a point from F and of its image from F' have the square of this length as
+    /// their product (Newton's equation).
+    pub fn mean_focal_length(&self) -> f64 {
+        self.focal_length * (self.n_scene * self.n_film).sqrt()
+    }
+
+    /// Returns z of the nodal points, scene side first: a ray toward the first leaves the lens from the second, parallel
+    /// to its own direction.
+    pub fn nodal_points(&self) -> [f64; 2] {
+        let shift = (self.n_film - self.n_scene) * self.focal_length;
+        [self.front_principal_plane - shift, self.rear_principal_plane - shift]
     }
 
     /// Returns the back focal distance: from the last vertex to the film-side focal point, mm.
@@ -122,21 +157,21 @@ impl FirstOrder {
         Self {
             front_principal_plane: plane,
             rear_principal_plane: plane,
-            front_focal_point: plane + self.focal_length,
-            rear_focal_point: plane - self.focal_length,
+            front_focal_point: plane + self.front_focal_length(),
+            rear_focal_point: plane - self.rear_focal_length(),
             ..*self
         }
     }
 
     /// Returns the ray-transfer matrix, for heights and slopes dx/dz, from a film in the plane z = `film` of lens space
     /// to the front vertex plane. The first row gives the height from the height and from the slope (mm); the second
-    /// row gives the slope from the height (1/mm) and from the slope. The determinant is 1.
+    /// row gives the slope from the height (1/mm) and from the slope. The determinant is n'/n.
     pub fn from_film(&self, film: f64) -> [[f64; 2]; 2] {
         let power = self.focal_length.recip();
         // The distances from the film to the film-side principal plane, and from the other principal plane to the front
         // vertex.
         let (before, after) = (self.rear_principal_plane - film, -self.front_principal_plane);
-        let slope = [-power, 1.0 - before * power];
+        let slope = [-power / self.n_scene, (self.n_film - before * power) / self.n_scene];
         let height = [1.0 + after * slope[0], before + after * slope[1]];
         [height, slope]
     }
@@ -149,7 +184,7 @@ impl FirstOrder {
         if beyond <= 0.0 {
             return Some(f64::INFINITY);
         }
-        let object = self.front_focal_point + self.focal_length * self.focal_length / beyond;
+        let object = self.front_focal_point + self.front_focal_length() * self.rear_focal_length() / beyond;
         (object > 0.0).then_some(object - (self.rear_vertex - film_distance))
     }
 
@@ -158,29 +193,32 @@ impl FirstOrder {
     /// is no image, and negative if the image is virtual.
     pub fn image_distance(&self, vergence: f64) -> f64 {
         let beyond_focus = 1.0 - vergence * self.front_focal_point;
-        self.back_focal_distance() + self.focal_length * self.focal_length * vergence / beyond_focus
+        self.back_focal_distance()
+            + self.front_focal_length() * self.rear_focal_length() * vergence / beyond_focus
     }
 
     /// Returns the scene-side ray that a film-side ray becomes through the thick lens (Kolb et al., §3.2). The ray
-    /// crosses from principal plane to principal plane at equal height, and its slope changes by height/f. The result
-    /// starts in the front vertex plane.
+    /// crosses from principal plane to principal plane at equal height, and its slope times the index changes by the
+    /// height times the power. The result starts in the front vertex plane.
     pub fn transfer(&self, ray: Ray) -> Ray {
-        self.carry(ray, self.rear_principal_plane, self.front_principal_plane, 0.0, 1.0)
+        let planes = [self.rear_principal_plane, self.front_principal_plane];
+        self.carry(ray, planes, [self.n_film, self.n_scene], 0.0, 1.0)
     }
 
     /// Returns the film-side ray that a scene-side ray becomes. The result starts in the rear vertex plane.
     pub fn transfer_to_film(&self, ray: Ray) -> Ray {
-        self.carry(ray, self.front_principal_plane, self.rear_principal_plane, self.rear_vertex, -1.0)
+        let planes = [self.front_principal_plane, self.rear_principal_plane];
+        self.carry(ray, planes, [self.n_scene, self.n_film], self.rear_vertex, -1.0)
     }
 
-    /// Transfers a ray from the principal plane `from` to the principal plane `to` and then to the plane `out`. Light
-    /// travels toward +z (`travel_sign` 1) or -z (-1).
-    fn carry(&self, ray: Ray, from: f64, to: f64, out: f64, travel_sign: f64) -> Ray {
+    /// Transfers a ray from the principal plane `from` to the principal plane `to`, in media of these indices, and then
+    /// to the plane `out`. Light travels toward +z (`travel_sign` 1) or -z (-1).
+    fn carry(&self, ray: Ray, [from, to]: [f64; 2], [n, n_out]: [f64; 2], out: f64, travel_sign: f64) -> Ray {
         let [x, y, z] = ray.origin;
         let [dx, dy, dz] = ray.direction;
         let leave = |height: f64, slope: f64| {
             let height = height + slope * (from - z);
-            let slope = slope - travel_sign * height / self.focal_length;
+            let slope = (n * slope - travel_sign * height / self.focal_length) / n_out;
             (height + slope * (out - to), slope)
         };
         let (px, sx) = leave(x, dx / dz);
@@ -193,7 +231,7 @@ impl FirstOrder {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::prescription::catalogue;
+    use crate::prescription::{catalogue, read};
 
     #[test]
     fn the_thick_lens_traces_a_ray_back_along_its_path() {
@@ -213,6 +251,54 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// Returns the optics of a surface of radius 5 mm between water and a glass of index 1.6, behind a plate of water.
+    fn one_surface() -> FirstOrder {
+        let text = b"medium 1.33\nstop 2 1.33 9\n5 0 1.6 4\n";
+        FirstOrder::of(&Lens::at_d_line(&read("surface", text).expect("a lens"))).expect("focal")
+    }
+
+    #[test]
+    fn a_surface_between_two_media_has_two_focal_lengths_and_its_centre_as_nodal_point() {
+        let optics = one_surface();
+        let power = (1.6 - 1.33) / 5.0;
+        let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-12 * b.abs(), "{a} {b}");
+        near(optics.focal_length, 1.0 / power);
+        near(optics.front_focal_length(), 1.33 / power);
+        near(optics.rear_focal_length(), 1.6 / power);
+        near(optics.front_focal_point, -2.0 + 1.33 / power);
+        near(optics.rear_focal_point, -2.0 - 1.6 / power);
+        // The surface is both principal planes; rays toward its centre are not refracted.
+        near(optics.front_principal_plane, -2.0);
+        near(optics.rear_principal_plane, -2.0);
+        optics.nodal_points().into_iter().for_each(|z| near(z, -7.0));
+        // n'/s' = n/s + φ, with s in front of the surface.
+        let image = 1.6 / (power - 1.33 / 100.0);
+        near(optics.image_distance(1.0 / 98.0), image);
+        near(optics.object_distance(image).expect("in front"), 100.0 + image);
+    }
+
+    #[test]
+    fn the_thick_lens_refracts_between_media_by_its_power() {
+        let optics = one_surface();
+        let film = optics.rear_vertex - 40.0;
+        let start = Ray { origin: [1.0, -2.0, film], direction: [0.1, 0.05, 1.0] };
+        let out = optics.transfer(start);
+        let slope = |ray: &Ray, axis: usize| ray.direction[axis] / ray.direction[2];
+        let [[a, b], [c, d]] = optics.from_film(film);
+        assert!((a * d - b * c - 1.6 / 1.33).abs() < 1e-12);
+        for axis in 0..2 {
+            let (y, s) = (start.origin[axis], start.direction[axis]);
+            let height = y + 40.0 * s;
+            let behind = (1.6 * s - height / optics.focal_length) / 1.33;
+            assert!((slope(&out, axis) - behind).abs() < 1e-12);
+            assert!((c * y + d * s - behind).abs() < 1e-12);
+            assert!((a * y + b * s - out.origin[axis]).abs() < 1e-12);
+        }
+        let back = optics.transfer_to_film(Ray { origin: out.origin, direction: out.direction.map(|x| -x) });
+        let at_film = back.origin[0] - 40.0 * slope(&back, 0);
+        assert!((at_film - 1.0).abs() < 1e-12, "{back:?}");
     }
 
     #[test]

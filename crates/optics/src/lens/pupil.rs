@@ -39,8 +39,9 @@ impl ExitPupil {
             rear_vertex: lens.rear().vertex,
             from_height: matrix.d,
             // The matrix counts slopes in the direction of the light, toward -z, and maps from the aperture to the
-            // vertex. The coefficients here are those of the inverse matrix, with the sign of the slope reversed.
-            from_slope: matrix.b,
+            // vertex. The coefficients here are those of the inverse matrix, with the sign of the slope reversed. The
+            // matrix acts on optical slopes: the index of the film's medium times the slope.
+            from_slope: matrix.b * lens.rear().n_film,
         }
     }
 
@@ -108,7 +109,7 @@ impl EntrancePupil {
     pub fn of_surface(lens: &Lens, surface: usize) -> Self {
         let Abcd { a: from_height, b: from_slope, .. } = Abcd::in_front_of(lens, surface);
         let diameter = 2.0 * lens.surfaces[surface].semi_diameter / from_height.abs();
-        Self { diameter, from_height, from_slope }
+        Self { diameter, from_height, from_slope: from_slope * lens.front().n_scene }
     }
 
     /// Returns the semi-diameter of the aperture, mm, at which the pupil has this diameter, mm.

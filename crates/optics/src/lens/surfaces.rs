@@ -160,14 +160,15 @@ pub enum LensError {
     },
     /// The V-number of a glass gives the glass an index below that of air.
     #[error(
-        "lens \"{lens}\", interface {row}: at {} nm the V-number gives index {}, which is \
+        "lens \"{lens}\", {}: at {} nm the V-number gives index {}, which is \
          below 1; correct the V-number, or ask for a \"wavelength\" nearer 587.56 nm",
+        if *row == 0 { "in front of it".to_owned() } else { format!("interface {row}") },
         as_given(*wavelength), short(*index)
     )]
     Index {
         /// The lens.
         lens: String,
-        /// The interface, counted from 1 at the scene side.
+        /// The interface, counted from 1 at the scene side; 0 for the medium in front of the lens.
         row: usize,
         /// The index of the glass at the wavelength.
         index: f64,
@@ -205,7 +206,7 @@ impl Lens {
     /// Builds the lens of a prescription at `wavelength` nm.
     pub fn new(prescription: &Prescription, wavelength: f64) -> Self {
         let mut vertex = 0.0;
-        let mut n_scene = 1.0;
+        let mut n_scene = refractive_index(prescription.object_medium, wavelength);
         let surfaces = prescription
             .interfaces
             .iter()
@@ -294,6 +295,18 @@ impl Lens {
         let mut lens = self.clone();
         lens.surfaces.iter_mut().for_each(|surface| surface.apertures = Arc::default());
         lens
+    }
+
+    /// Returns the refractive indices of the medium in front of the lens and of the medium behind it.
+    pub fn outer_indices(&self) -> [f64; 2] {
+        [self.front().n_scene, self.rear().n_film]
+    }
+
+    /// Returns the factor (n'/n)², where n' is the index behind the lens and n the index in front of it. Along a ray
+    /// the radiance divided by n² is constant, so that the radiance at the film is the scene's times this factor.
+    pub fn radiance_factor(&self) -> f64 {
+        let [n_scene, n_film] = self.outer_indices();
+        (n_film / n_scene).powi(2)
     }
 
     /// Returns the pairs of neighbouring surfaces that overlap, in order from the scene.

@@ -17,7 +17,7 @@ use super::{
     positions::Positions,
 };
 
-/// The medium behind an interface.
+/// The medium behind an interface, or in front of the lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Medium {
     /// Refractive index exactly 1.
@@ -137,8 +137,9 @@ impl Interface {
 }
 
 /// Returns whether each interface, scene side first, has air on one side and glass on the other, as coated surfaces do.
-pub(super) fn has_coating(interfaces: &[Interface]) -> impl Iterator<Item = bool> {
-    let mut in_front = Medium::Air;
+/// `object` is the medium in front of the lens.
+pub(super) fn has_coating(object: Medium, interfaces: &[Interface]) -> impl Iterator<Item = bool> {
+    let mut in_front = object;
     interfaces.iter().map(move |interface| {
         let before = std::mem::replace(&mut in_front, interface.medium);
         (before == Medium::Air) != (interface.medium == Medium::Air)
@@ -147,9 +148,10 @@ pub(super) fn has_coating(interfaces: &[Interface]) -> impl Iterator<Item = bool
 
 /// Returns, for each surface that bends rays, the rows from that surface to just before the next such surface. The
 /// thicknesses of these rows add up to the distance between the two vertices, which is 0 or more. The planes between
-/// the two surfaces only limit rays, and may lie within the sagitta of a neighbour.
-pub(super) fn spans(interfaces: &[Interface]) -> impl Iterator<Item = Range<usize>> {
-    let media = std::iter::once(Medium::Air).chain(interfaces.iter().map(|interface| interface.medium));
+/// the two surfaces only limit rays, and may lie within the sagitta of a neighbour. `object` is the medium in front of
+/// the lens.
+pub(super) fn spans(object: Medium, interfaces: &[Interface]) -> impl Iterator<Item = Range<usize>> {
+    let media = std::iter::once(object).chain(interfaces.iter().map(|interface| interface.medium));
     let bends = |&(row, in_front): &(usize, Medium)| {
         interfaces[row].shape != Shape::Plane || in_front != interfaces[row].medium
     };
@@ -164,6 +166,11 @@ pub struct Prescription {
     pub name: String,
     /// The title of the lens, if the file has one. The title of a table is its first comment.
     pub title: Option<String>,
+    /// The medium in front of the lens, in which the scene lies. The film lies in the medium behind the last
+    /// interface.
+    pub object_medium: Medium,
+    /// Index in [`Prescription::glasses`] of the glass in front of the lens, if the file names that glass.
+    pub object_glass: Option<usize>,
     /// The interfaces, scene side first; at least one.
     pub interfaces: Vec<Interface>,
     /// Distance from the last vertex to the film that the file proposes, mm: the thickness of the last row, if that is
@@ -199,6 +206,8 @@ impl Prescription {
         Self {
             name: String::new(),
             title: None,
+            object_medium: Medium::Air,
+            object_glass: None,
             interfaces,
             nominal_film_distance: None,
             stated_focal_length: None,
@@ -214,7 +223,7 @@ impl Prescription {
 
     /// Returns, for each surface that bends rays, the rows from that surface to just before the next such surface.
     pub fn spans(&self) -> impl Iterator<Item = Range<usize>> {
-        spans(&self.interfaces)
+        spans(self.object_medium, &self.interfaces)
     }
 
     /// Returns the transmittance of the medium behind each interface, where known.
@@ -236,10 +245,9 @@ impl Prescription {
     /// Returns the row of the stop, if the stop is a plane in air; only such a stop can have blades.
     pub fn stop_in_air(&self) -> Option<usize> {
         self.stop_index().filter(|&row| {
-            let media = [row.checked_sub(1), Some(row)];
-            let is_air =
-                |row: &Option<usize>| row.is_none_or(|row| self.interfaces[row].medium == Medium::Air);
-            self.interfaces[row].shape == Shape::Plane && media.iter().all(is_air)
+            let in_front = row.checked_sub(1).map_or(self.object_medium, |row| self.interfaces[row].medium);
+            let Interface { shape, medium, .. } = self.interfaces[row];
+            shape == Shape::Plane && in_front == Medium::Air && medium == Medium::Air
         })
     }
 
@@ -253,6 +261,18 @@ impl Prescription {
         if let Some(stop) = self.stop_index() {
             Aperture::set_blades(&mut self.interfaces[stop].apertures, blades);
         }
+    }
+
+    /// Returns the medium behind the last interface, in which the film lies.
+    pub fn image_medium(&self) -> Medium {
+        self.interfaces.last().map_or(self.object_medium, |interface| interface.medium)
+    }
+
+    /// Returns the media from the scene to the film, each with the glass's position in [`Prescription::glasses`], if
+    /// the file names the glass. There is one medium more than interfaces.
+    pub fn media(&self) -> impl Iterator<Item = (Medium, Option<usize>)> {
+        let behind = self.interfaces.iter().map(|interface| (interface.medium, interface.glass));
+        std::iter::once((self.object_medium, self.object_glass)).chain(behind)
     }
 
     /// Returns the lens with other gaps, mm, behind the rows `rows`. The gap of the last row, before the film, is not
@@ -286,9 +306,9 @@ impl Prescription {
         scaled
     }
 
-    /// Returns whether any glass has an Abbe number or a dispersion formula, so that the wavelength matters.
+    /// Returns whether any medium has an Abbe number or a dispersion formula, so that the wavelength matters.
     pub fn is_dispersive(&self) -> bool {
-        self.interfaces.iter().any(|interface| interface.medium.is_dispersive())
+        self.media().any(|(medium, _)| medium.is_dispersive())
     }
 }
 

@@ -23,14 +23,13 @@ impl Prescription {
     pub fn check_wavelength(&self, wavelength: f64) -> Result<Vec<String>, String> {
         let mut beyond: Vec<String> = Vec::new();
         let mut has_two_numbers = false;
-        for interface in &self.interfaces {
-            let medium = interface.medium;
+        for (medium, glass) in self.media() {
             if !medium.is_dispersive() {
                 continue;
             }
             let is_two_numbers = matches!(medium, Medium::Glass { .. });
             has_two_numbers |= is_two_numbers;
-            let named = self.glass_behind(interface);
+            let named = glass.and_then(|glass| self.glasses.get(glass));
             let name = named.map_or_else(|| "a glass".to_owned(), |(name, _)| format!("glass {}", cut(name)));
             let range = named.and_then(|(_, Glass { range, .. })| *range);
             let [from, to] = range.unwrap_or([*ORDINARY_WAVELENGTHS.start(), *ORDINARY_WAVELENGTHS.end()]);

@@ -381,7 +381,7 @@ impl<R: Real> Path<R> {
         State {
             p: entry.map(R::from_f64),
             v: [dx, dy, travel_sign * dz].map(|d| n * R::from_f64(d)),
-            lead: R::from_f64(lead),
+            lead: R::from_f64(lead) / n,
         }
     }
 
@@ -524,11 +524,12 @@ impl<R: Real> Path<R> {
     ) -> bool {
         let moved = R::from_f64(self.travel_sign() * (self.entry - film));
         let length = (R::ONE + sx * sx + sy * sy).sqrt();
-        let vz = self.steps[0].n / length;
+        let n = self.steps[0].n;
+        let vz = n / length;
         let mut state = State {
             p: [x + moved * sx, y + moved * sy, R::ZERO],
             v: [sx * vz, sy * vz, vz],
-            lead: moved * length,
+            lead: moved * length / n,
         };
         self.steps.iter().enumerate().all(|(surface, step)| {
             state.p[2] = state.p[2] - step.distance;

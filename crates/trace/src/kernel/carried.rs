@@ -33,7 +33,20 @@ pub trait Carried<S: Scalar> {
     fn light<L: Lanes<Scalar = S>>(&self, _: &Self::State<L>) -> Option<([L; 2], L)> {
         None
     }
-    /// Returns the share of the light that remains.
+    /// Returns n of the medium before the first surface, to which all other indices are relative. `None` if that medium
+    /// is air, or if the rays do not have their own wavelengths.
+    #[inline(always)]
+    fn first_index<L: Lanes<Scalar = S>>(&self, _: Cpu<L>, _: &Self::State<L>) -> Option<L> {
+        None
+    }
+    /// Returns the ratio of the last medium's index at the lens's own wavelength to that at the wavelength of each ray,
+    /// behind the last surface; `None` if all ratios are 1.
+    #[inline(always)]
+    fn per_last_index<L: Lanes<Scalar = S>>(&self, _: Cpu<L>, _: &Self::State<L>) -> Option<L> {
+        None
+    }
+    /// Returns the share of the light that remains, times the change of the radiance factor (n'/n)² of the media at both
+    /// ends from the lens's own wavelength.
     #[inline(always)]
     fn left<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, _: &Self::State<L>) -> L {
         L::splat(cpu, S::ONE)

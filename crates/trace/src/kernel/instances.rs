@@ -159,6 +159,10 @@ impl<S: Scalar, C: Carried<S>> Optics<S> for LensSteps<S, C> {
 
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn leave<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, rays: RayLanes<L>, state: &C::State<L>) -> End<L> {
+        let rays = match self.carried.per_last_index(cpu, state) {
+            Some(factor) => rays.scaled(factor),
+            None => rays,
+        };
         rays.leave(cpu, &self.table, self.carried.left(cpu, state))
     }
 }

@@ -1,7 +1,8 @@
 //! Rays in lanes inside a lens ([`RayLanes`]), and the operation of each type of step on them.
 //!
 //! The origin of the frame is the vertex of a surface; the z axis points along the direction of travel. V = n D, c =
-//! 1/R (positive when the centre lies ahead), N = (-c x, -c y, 1 - c z) and K = n'² - n²:
+//! 1/R (positive when the centre lies ahead), N = (-c x, -c y, 1 - c z) and K = n'² - n². Every index is relative to
+//! that of the medium before the first surface, so that V is a unit vector there whatever the medium:
 //!
 //! - f = (c/2)(x² + y² + z²) - z, g = N·V at the ray's point, e = √(g² - 2 c n² f) = n cos I and
 //!   e' = √(e² + K) = n' cos I' at the hit, t V away, t = (g - e)/(c n²) = 2 f/(g + e);
@@ -23,7 +24,7 @@ use realistic_simd::{Cpu, Lanes, Scalar};
 /// Rays ready for the first surface, in the frame of its vertex.
 #[derive(Clone, Copy)]
 pub enum Start<L> {
-    /// Rays on the vertex plane, n = 1.
+    /// Rays on the vertex plane.
     Flat {
         /// x, mm.
         x: L,
@@ -46,7 +47,7 @@ pub enum Start<L> {
         y: L,
         /// -z, mm.
         minus_z: L,
-        /// V, a unit vector, because n is 1.
+        /// V, a unit vector.
         v: [L; 3],
         /// Distance by which the ray was moved from its origin, in units of V.
         lead: L,
@@ -504,6 +505,12 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
     pub fn scale_to(&mut self, cpu: Cpu<L>, length: [L::Scalar; 2], media: impl Media<L>) {
         let factor = self.factor([L::splat(cpu, length[0]), media.per_square(cpu, length[1])]);
         (self.vx, self.vy, self.vz) = (self.vx * factor, self.vy * factor, self.vz * factor);
+    }
+
+    /// Multiplies V.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn scaled(self, factor: L) -> Self {
+        Self { vx: self.vx * factor, vy: self.vy * factor, vz: self.vz * factor, ..self }
     }
 
     /// Transforms rays to lens space, with the direction made a unit vector by one step of Newton's iteration. If the

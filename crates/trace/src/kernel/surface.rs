@@ -32,7 +32,9 @@ pub struct CompiledSurface<'a> {
     pub c: f64,
     /// The asphere, if the surface is neither a sphere nor a plane.
     pub aspheric: Option<&'a Aspheric<f64>>,
+    /// Refractive index before the surface, relative to that before the first surface.
     pub n: f64,
+    /// n'² - n² of these relative indices.
     pub index_step: f64,
     pub aperture: f64,
     pub semi: f64,
@@ -70,7 +72,8 @@ impl CompiledSurface<'_> {
 }
 
 /// Compiles the surfaces of a path. `travel_sign` is that of the table; `epsilon` is the rounding unit of the
-/// precision.
+/// precision. Indices become relative to the medium before the first surface, so that V is a unit vector there: rays
+/// depend on ratios of indices alone.
 pub fn surfaces(steps: &[PathSurface<f64>], travel_sign: f64, epsilon: f64) -> Vec<CompiledSurface<'_>> {
     let mut surfaces: Vec<CompiledSurface<'_>> = Vec::with_capacity(steps.len());
     let clear_part = |step: &PathSurface<f64>| ClearPart {
@@ -87,6 +90,7 @@ pub fn surfaces(steps: &[PathSurface<f64>], travel_sign: f64, epsilon: f64) -> V
     // Rays leave the lens at the last surface, whatever its form.
     let last = steps.iter().rposition(|step| !step.only_limits()).unwrap_or(0);
     let mut is_led = false;
+    let first_index = steps.first().map_or(1.0, |step| step.n);
     for (i, step) in steps.iter().enumerate() {
         distance += step.distance;
         let here = clear_part(step);
@@ -99,8 +103,8 @@ pub fn surfaces(steps: &[PathSurface<f64>], travel_sign: f64, epsilon: f64) -> V
         surfaces.push(CompiledSurface {
             c: step.curvature,
             aspheric: step.aspheric.as_deref(),
-            n: step.n,
-            index_step: step.index_step,
+            n: step.n / first_index,
+            index_step: step.index_step / (first_index * first_index),
             aperture: step.aperture,
             semi: here.semi_diameter,
             slack: step.slack * (epsilon / f64::EPSILON),

@@ -148,7 +148,7 @@ impl<S> Step<S> {
     }
 }
 
-/// A lens compiled for one direction.
+/// A lens compiled for one direction. All indices are relative to that of the medium before the first surface.
 #[derive(Clone, Debug)]
 pub struct Table<S> {
     /// Steps in order. The first step is never a link or a stop; a ray enters it in the frame of the first vertex.
@@ -248,7 +248,11 @@ impl<S: Scalar> Table<S> {
             steps.extend(shaped(surface.apertures, here));
             numbers.resize(steps.len(), i);
         }
-        let n = path.steps().last().map_or(1.0, |step| step.n_after);
+        let n = match path.steps() {
+            [first, .., last] => last.n_after / first.n,
+            [only] => only.n_after / only.n,
+            [] => 1.0,
+        };
         let (factor, offset) = match last {
             Some((surface, true)) => (-travel_sign / surface.c, path.exit() + travel_sign / surface.c),
             _ => (travel_sign, path.exit()),

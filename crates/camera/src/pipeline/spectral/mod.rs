@@ -14,7 +14,7 @@ pub(crate) use self::optics::{LensOfMedia, WAVELENGTHS};
 use super::{
     body::{CameraBody, LaneBody},
     film_sampling::FilmSampling,
-    ghosts::{GhostRays, GhostTracer},
+    ghosts::{GhostRays, GhostTracer, SpectralGhosts},
     lanes::Pipeline,
     on_demand::OnDemand,
     tracer::LensTracer,
@@ -76,8 +76,9 @@ impl Spectral {
             };
             let tracer = match &self.ghosts {
                 Some(ghosts) => {
-                    let spectral = Some((paths.clone(), range.clone()));
-                    Arc::new(GhostTracer::new(direct, ghosts.clone(), spectral))
+                    let own = self.optics.lens.radiance_factor();
+                    let spectral = SpectralGhosts { paths: paths.clone(), range: range.clone(), own };
+                    Arc::new(GhostTracer::new(direct, ghosts.clone(), Some(spectral)))
                 }
                 None => direct,
             };

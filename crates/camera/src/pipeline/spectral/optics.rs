@@ -21,9 +21,9 @@ pub const WAVELENGTHS: RangeInclusive<f32> = 380.0..=780.0;
 pub struct LensOfMedia {
     /// The lens at the camera's own wavelength and stop.
     pub lens: Lens,
-    /// The medium on the film's side of each surface.
+    /// The media from the scene's to the film's, one more than surfaces.
     pub media: Vec<Medium>,
-    /// Absorption of each medium; `None` if it is not known.
+    /// Absorption of the medium behind each surface; `None` if it is not known.
     pub transmittances: Vec<Option<Arc<InternalTransmittance>>>,
 }
 
@@ -32,13 +32,12 @@ impl LensOfMedia {
     /// that wavelength.
     pub fn at(&self, wavelength: f64) -> Lens {
         let mut lens = Lens { wavelength, ..self.lens.clone() };
-        let mut n_scene = 1.0;
-        for ((surface, medium), transmittance) in
-            lens.surfaces.iter_mut().zip(&self.media).zip(&self.transmittances)
+        let beside = self.media.windows(2);
+        for ((surface, media), transmittance) in
+            lens.surfaces.iter_mut().zip(beside).zip(&self.transmittances)
         {
-            surface.n_scene = n_scene;
-            n_scene = refractive_index(*medium, wavelength);
-            surface.n_film = n_scene;
+            surface.n_scene = refractive_index(media[0], wavelength);
+            surface.n_film = refractive_index(media[1], wavelength);
             surface.absorption = transmittance.as_ref().map_or(0.0, |own| own.coefficient(wavelength));
         }
         lens
@@ -61,9 +60,10 @@ impl LensOfMedia {
             }
         }
         let (media, transmittances) = (self.media.clone(), self.transmittances.clone());
-        let medium = move |surface: usize, nm: f64| {
-            let absorption = transmittances[surface].as_ref().map_or(0.0, |own| own.coefficient(nm));
-            [refractive_index(media[surface], nm), absorption]
+        let medium = move |number: usize, nm: f64| {
+            let behind = number.checked_sub(1).and_then(|surface| transmittances[surface].as_ref());
+            let absorption = behind.map_or(0.0, |own| own.coefficient(nm));
+            [refractive_index(media[number], nm), absorption]
         };
         let bare = || vec![Coating::Bare.into(); largest.surfaces.len()];
         let coatings = coatings.map_or_else(bare, <[SurfaceCoating]>::to_vec);

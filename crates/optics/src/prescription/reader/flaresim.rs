@@ -71,8 +71,9 @@ pub(super) fn read(text: &Text<'_>, ledger: &mut Ledger<'_>) -> Result<Prescript
         rows.iter_mut().for_each(|row| row.diameter *= 2.0);
     }
     let at = |row: usize, message: &str| text.error(locations[row], message);
-    let mut interfaces = surface_rows::interfaces(&rows, &at, ledger)?;
-    let coatings: Vec<Coating> = has_coating(&interfaces)
+    let mut interfaces = surface_rows::interfaces(&rows, Medium::Air, &at, ledger)?;
+    surface_rows::film_in_air(&interfaces, &at)?;
+    let coatings: Vec<Coating> = has_coating(Medium::Air, &interfaces)
         .zip(&layers)
         .map(|(is_in_air, count)| match count {
             1 if is_in_air => Coating::QuarterWave,

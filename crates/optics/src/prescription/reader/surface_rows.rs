@@ -73,13 +73,14 @@ const NEARLY_AIR: f64 = 0.999;
 /// for rounding.
 const V_NUMBERS: [f64; 2] = [5.0, 200.0];
 
-/// Builds the interfaces of a lens from its rows, scene side first. Warnings about rows that are not used as written go
-/// to `ledger`.
+/// Builds the interfaces of a lens from its rows, scene side first. `object` is the medium in front of the lens.
+/// Warnings about rows that are not used as written go to `ledger`.
 ///
 /// # Errors
-/// A row cannot be an interface of a lens in air. The error is about the first such row.
+/// A row cannot be an interface of a lens. The error is about the first such row.
 pub(super) fn interfaces(
     rows: &[SurfaceRow],
+    object: Medium,
     at: AtRow<'_>,
     ledger: &mut Ledger<'_>,
 ) -> Result<Vec<Interface>, LensFileError> {
@@ -92,7 +93,7 @@ pub(super) fn interfaces(
         return Err(at(MAX_INTERFACES, &message));
     }
     let has_stop_row = rows.iter().any(|row| row.role == Role::Stop);
-    let mut in_front = Medium::Air;
+    let mut in_front = object;
     let mut stop: Option<usize> = None;
     let mut replaced = |row: usize, statement: &str, reason: String| {
         let LensFileError { line, column, message, .. } = at(row, &reason);
@@ -151,13 +152,23 @@ pub(super) fn interfaces(
         interfaces.push(Interface { shape, thickness, medium, glass, semi_diameter, is_stop, apertures });
         in_front = medium;
     }
-    in_order(&interfaces, at)?;
-    if in_front != Medium::Air {
-        let message =
-            "the last interface has glass behind it; the film is in air, so its index must be 0 or 1";
-        return Err(at(rows.len() - 1, message));
-    }
+    in_order(object, &interfaces, at)?;
     Ok(interfaces)
+}
+
+/// Checks that the film is in air, for formats that cannot state another medium.
+///
+/// # Errors
+/// The last interface has a glass behind it.
+pub(super) fn film_in_air(interfaces: &[Interface], at: AtRow<'_>) -> Result<(), LensFileError> {
+    match interfaces {
+        [.., last] if last.medium != Medium::Air => {
+            let message =
+                "the last interface has glass behind it; the film is in air, so its index must be 0 or 1";
+            Err(at(interfaces.len() - 1, message))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Checks that the vertices are in order. Planes that only limit rays are exempt and may lie anywhere between the
@@ -166,7 +177,7 @@ pub(super) fn interfaces(
 ///
 /// # Errors
 /// A row lies in front of the row before it. The error is about the first such row.
-pub(super) fn in_order(interfaces: &[Interface], at: AtRow<'_>) -> Result<(), LensFileError> {
+pub(super) fn in_order(object: Medium, interfaces: &[Interface], at: AtRow<'_>) -> Result<(), LensFileError> {
     let wrong = |number: usize| {
         let thickness = short(interfaces[number].thickness);
         let message = format!(
@@ -176,7 +187,7 @@ pub(super) fn in_order(interfaces: &[Interface], at: AtRow<'_>) -> Result<(), Le
         at(number, &message)
     };
     let is_negative = |row: &usize| interfaces[*row].thickness < 0.0;
-    for mut span in spans(interfaces) {
+    for mut span in spans(object, interfaces) {
         let distance: f64 = interfaces[span.clone()].iter().map(|interface| interface.thickness).sum();
         if let Some(negative) = span.find(is_negative).filter(|_| distance < 0.0) {
             return Err(wrong(negative));
@@ -191,6 +202,7 @@ pub(super) fn in_order(interfaces: &[Interface], at: AtRow<'_>) -> Result<(), Le
 /// # Errors
 /// Returns the error of [`in_order`], together with the position at which it occurs.
 pub(super) fn positions_in_order(
+    object: Medium,
     interfaces: &[Interface],
     positions: Option<&Positions>,
     at: AtRow<'_>,
@@ -201,13 +213,13 @@ pub(super) fn positions_in_order(
         for (&row, &gap) in positions.gaps.iter().zip(&column.gaps) {
             placed[row].thickness = gap;
         }
-        in_order(&placed, &|row, message| at(row, &format!("position {}: {message}", number + 1)))?;
+        in_order(object, &placed, &|row, message| at(row, &format!("position {}: {message}", number + 1)))?;
     }
     Ok(())
 }
 
 /// Returns the medium behind a surface, and passes one sentence about each unusual number of that medium to `remark`.
-fn checked(behind: MediumBehind, mut remark: impl FnMut(String)) -> MediumBehind {
+pub(super) fn checked(behind: MediumBehind, mut remark: impl FnMut(String)) -> MediumBehind {
     let Medium::Glass { n_d, abbe } = behind.medium else { return behind };
     if n_d < 1.0 {
         remark(format!("index {}, vacuum's against air; air is used, index 1", as_given(n_d)));

@@ -88,6 +88,13 @@ impl<S: Scalar> LaneGlass<S> {
         Self { square: S::from_f64(index * index), change }
     }
 
+    /// Returns the medium with its n² at the lens's own wavelength divided by that of another medium. The changes stay
+    /// the same.
+    #[must_use]
+    pub fn relative_to(self, other: &Self) -> Self {
+        Self { square: S::from_f64(self.square.to_f64() / other.square.to_f64()), ..self }
+    }
+
     /// Whether the index is the same at every wavelength.
     pub fn is_fixed(&self) -> bool {
         matches!(self.change, Change::None)

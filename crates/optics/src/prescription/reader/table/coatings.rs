@@ -5,7 +5,7 @@ use crate::prescription::{
     LensFileError, MAX_INTERFACES,
     coating::{Coating, Layer, STACK, SurfaceCoating},
     glass::VALID_WAVELENGTHS,
-    interfaces::{Interface, has_coating},
+    interfaces::{Interface, Medium, has_coating},
     reader::text::Cell,
 };
 use realistic_base::message::{as_given, nearest_or_all};
@@ -107,12 +107,13 @@ fn stack(lines: &Lines<'_>, name: &Cell<'_>, values: &[Cell<'_>]) -> Result<Surf
 pub(super) fn of_surfaces(
     lines: &Lines<'_>,
     found: &[CoatingLine<'_>],
+    object: Medium,
     interfaces: &[Interface],
 ) -> Result<Option<Vec<SurfaceCoating>>, LensFileError> {
     if found.is_empty() {
         return Ok(None);
     }
-    let can_have: Vec<bool> = has_coating(interfaces).collect();
+    let can_have: Vec<bool> = has_coating(object, interfaces).collect();
     let bare = SurfaceCoating::from(Coating::Bare);
     let all = found.iter().find(|(rows, _)| rows.is(ALL)).map_or(&bare, |(_, coating)| coating);
     let mut coatings: Vec<SurfaceCoating> =

@@ -43,6 +43,7 @@ pub(super) fn read(
     let blades = statements::blades(&mut lines)?;
     let apertures = apertures::take(&mut lines)?;
     let coatings = coatings::take(&mut lines)?;
+    let in_front = statements::medium(&mut lines, &glasses, ledger)?;
     let wavelength = statements::wavelength(&mut lines)?;
     let columns = TableColumns::take(&mut lines)?;
     misspelt_keyword(&lines)?;
@@ -66,12 +67,14 @@ pub(super) fn read(
     statements::make_stop(&lines, stop.as_ref(), &mut rows)?;
     let (positions, stated) = columns.read(&lines, &rows, &mut stated_focal_length)?;
     let at = |row: usize, message: &str| lines.error(&table[row][0], message);
-    let mut interfaces = surface_rows::interfaces(&rows, &at, ledger)?;
-    surface_rows::positions_in_order(&interfaces, positions.as_ref(), &at)?;
-    let coatings = coatings::of_surfaces(&lines, &coatings, &interfaces)?;
+    let mut interfaces = surface_rows::interfaces(&rows, in_front.medium, &at, ledger)?;
+    surface_rows::positions_in_order(in_front.medium, &interfaces, positions.as_ref(), &at)?;
+    let coatings = coatings::of_surfaces(&lines, &coatings, in_front.medium, &interfaces)?;
     let back = std::mem::take(&mut interfaces.last_mut().expect("at least one row").thickness);
     let mut lens = Prescription {
         title: lines.title.clone(),
+        object_medium: in_front.medium,
+        object_glass: in_front.glass,
         nominal_film_distance: (back > 0.0).then_some(back),
         stated_focal_length,
         stated,
@@ -132,9 +135,19 @@ fn heading(lines: &Lines<'_>) -> Result<(), LensFileError> {
 /// Checks that no line begins with a misspelt keyword.
 fn misspelt_keyword(lines: &Lines<'_>) -> Result<(), LensFileError> {
     let keywords = || {
-        ["glass", "absorption", "aperture", "asphere", "blades", "coating", "obstruction", "wavelength"]
-            .into_iter()
-            .chain(columns::KEYWORDS)
+        [
+            "glass",
+            "absorption",
+            "aperture",
+            "asphere",
+            "blades",
+            "coating",
+            "medium",
+            "obstruction",
+            "wavelength",
+        ]
+        .into_iter()
+        .chain(columns::KEYWORDS)
     };
     for line in &lines.lines {
         let word = &line[0];

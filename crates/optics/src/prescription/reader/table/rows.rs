@@ -94,7 +94,11 @@ pub(super) fn of_five(
     Ok(SurfaceRow { radius, role, thickness, behind, diameter, asphere: None, apertures: Vec::new() })
 }
 
-fn behind(
+/// Reads a medium from the words for its index or name and for its V-number.
+///
+/// # Errors
+/// A word is invalid.
+pub(super) fn behind(
     lines: &Lines<'_>,
     glasses: &Glasses<'_>,
     n_d: &Cell<'_>,

@@ -1,14 +1,16 @@
-//! Lines that begin with a keyword and concern the whole lens or one row: `asphere`, `stop`, `blades`, `wavelength`.
+//! Lines that begin with a keyword and concern the whole lens or one row: `asphere`, `stop`, `blades`, `medium`,
+//! `wavelength`.
 //! They are first taken out of the other lines, and are applied to the rows after the rows have been read.
 
-use super::lines::Lines;
+use super::{glasses::Glasses, lines::Lines, rows};
 use crate::prescription::{
-    LensFileError, MAX_INTERFACES,
+    Fate, LensFileError, MAX_INTERFACES,
     blades::Blades,
     glass::VALID_WAVELENGTHS,
-    interfaces::{Asphere, FIRST_POWER, LAST_POWER},
+    interfaces::{Asphere, FIRST_POWER, LAST_POWER, Medium},
     reader::{
-        surface_rows::{Role, SurfaceRow},
+        ledger::Ledger,
+        surface_rows::{self, MediumBehind, Role, SurfaceRow},
         text::Cell,
     },
 };
@@ -17,6 +19,9 @@ use crate::prescription::{
 const ASPHERE: &str = "an asphere is: asphere ROW conic=… A4=… A6=… (any of A2 to A30, in mm^(1 - i))";
 /// The form of a line `stop`, for messages.
 const STOP: &str = "a stop on a surface is: stop ROW";
+/// The form of a line `medium`, for messages.
+const MEDIUM: &str =
+    "the medium in front of the lens is: medium NAME, or: medium INDEX V (V may be left out)";
 /// The form of a line `blades`, for messages.
 const BLADES: &str = "blades are: blades COUNT rotation=DEGREES curvature=C (3 to 32; 0 where left out; C from 0, straight, to 1, \
      the circle's)";
@@ -100,6 +105,28 @@ pub(super) fn blades<'t>(lines: &mut Lines<'t>) -> Result<Option<(Cell<'t>, Blad
         return Err(lines.error(keyword, &format!("the blades' curvature is {curvature}; {BLADES}")));
     }
     Ok(Some((*keyword, Blades { count: number, rotation, curvature })))
+}
+
+/// Takes the line `medium NAME` or `medium INDEX V` out of `lines`. It names the medium in front of the lens, which is air
+/// without this line.
+pub(super) fn medium(
+    lines: &mut Lines<'_>,
+    glasses: &Glasses<'_>,
+    ledger: &mut Ledger<'_>,
+) -> Result<MediumBehind, LensFileError> {
+    let taken = lines.take(&["medium"]);
+    let problem = "\"medium\"; the scene lies in one medium, and the film in that of the last row";
+    let Some(line) = lines.at_most_one(&taken, problem)? else { return Ok(Medium::Air.into()) };
+    let (keyword, name, abbe) = match line.as_slice() {
+        [keyword, name] => (keyword, name, Cell { text: "-", location: name.location }),
+        [keyword, name, abbe] => (keyword, name, *abbe),
+        [keyword, ..] => return Err(lines.error(keyword, MEDIUM)),
+        [] => return Ok(Medium::Air.into()),
+    };
+    let behind = rows::behind(lines, glasses, name, &abbe)?;
+    Ok(surface_rows::checked(behind, |reason| {
+        ledger.warn(Fate::Replaced, keyword.location, "medium", None, reason);
+    }))
 }
 
 /// Takes the line `wavelength NM` out of `lines`. The lens is traced at this wavelength unless the user sets another.

@@ -1,7 +1,9 @@
 //! Tests of every accepted spelling, and of every refusal with the message that the user reads.
 
 use crate::prescription::{
-    MAX_FILE_BYTES, MAX_INTERFACES, MAX_NAME_BYTES, Medium, Shape, catalogue, read,
+    MAX_FILE_BYTES, MAX_INTERFACES, MAX_NAME_BYTES, Medium, Shape, catalogue,
+    glass::{D_LINE, refractive_index},
+    read,
     reader::checks::{FILE, ok, refused},
 };
 
@@ -104,7 +106,6 @@ fn impossible_interfaces_are_refused() {
     refused("20 -5 1.5 10", "1:1", &["thickness -5 mm", "0 or more"]);
     refused("20 5 1.5 0", "1:1", &["clear diameter 0 mm", "positive"]);
     refused("20 5 1.5 -3", "1:1", &["clear diameter -3 mm"]);
-    refused("20 5 1.5 10", "1:1", &["glass behind it", "index must be 0 or 1"]);
     refused("0 1 1 5\n20 5 1.5 10\n-20 1 1 10\n0 0 1 3", "4:1", &["second stop", "line 1"]);
     refused("20 5 1.5 60 10\nstop 2 9\n-20 0 9\nstop 1 1.5 60 9", "4:1", &["second stop", "line 2"]);
     refused("20 5 1.5 60 10\n-20 1 - 60 9", "2:9", &["V-number without a refractive index"]);
@@ -403,6 +404,43 @@ fn a_plane_in_air_beside_a_row_named_stop_is_a_flare_stop() {
     let lens = ok(b"inf 2 1 12\n20 5 1.5 10\n-20 2 1 10\nstop 3 1 7\n");
     assert_eq!((lens.stop_index(), lens.interfaces[0].shape), (Some(3), Shape::Plane));
     refused("inf 2 1 12\n20 5 1.5 10\n-20 2 1 10\ninf 3 1 7\n", "4:1", &["second stop", "\"flare\""]);
+}
+
+#[test]
+fn scene_and_film_lie_in_the_media_that_the_table_states() {
+    let lens = ok(b"medium 1.33306 55.8\n20 5 1.5 60 10\n-20 30 1.336 - 10\n");
+    assert_eq!(lens.object_medium, Medium::Glass { n_d: 1.33306, abbe: Some(55.8) });
+    assert_eq!(lens.image_medium(), Medium::Glass { n_d: 1.336, abbe: None });
+    assert_eq!((lens.nominal_film_distance, lens.is_dispersive()), (Some(30.0), true));
+    for text in ["medium 1.33306\n", "medium 1.33306 -\n", "MEDIUM 1.33306\n"] {
+        let medium = ok(format!("{text}{SINGLET}").as_bytes()).object_medium;
+        assert_eq!(medium, Medium::Glass { n_d: 1.33306, abbe: None }, "{text}");
+    }
+    let water = ok(format!("medium water\n{SINGLET}").as_bytes()).object_medium;
+    assert!((refractive_index(water, D_LINE) - 1.333).abs() < 1e-3 && water.is_dispersive());
+    let named = ok(format!("medium N-BK7\n{SINGLET}").as_bytes());
+    assert_eq!((named.object_glass, named.glasses.len()), (Some(0), 1));
+    assert_eq!(ok(format!("medium air\n{SINGLET}").as_bytes()).object_medium, Medium::Air);
+    // A plane in water is no stop unless the table says so; in air behind the lens it is one.
+    let planes = ok(b"medium 1.33\ninf 1 1.33 9\n20 5 1.5 10\n-20 2 1 10\n0 30 1 5\n");
+    assert_eq!((planes.stop_index(), planes.stop_in_air()), (Some(3), Some(3)));
+    let stop = ok(b"medium 1.33\nstop 1 1.33 9\n20 5 1.5 10\n-20 2 1 10\n");
+    assert_eq!((stop.stop_index(), stop.stop_in_air()), (Some(0), None));
+    // Coatings are between air and glass.
+    let coated =
+        ok(b"medium 1.33\n20 5 1.5 10\n-20 2 1 10\ncoating all v-coat\n").coatings.expect("coatings");
+    assert_eq!(coated.iter().map(|own| own.is_bare()).collect::<Vec<_>>(), [true, false]);
+}
+
+#[test]
+fn a_malformed_medium_is_refused() {
+    let with = |line: &str| format!("{line}\n{SINGLET}");
+    refused(&with("medium"), "1:1", &["the medium in front of the lens is: medium NAME"]);
+    refused(&with("medium 1.33 60 5"), "1:1", &["medium INDEX V"]);
+    refused(&with("medium brine"), "1:8", &["\"brine\" is neither a refractive index nor a known glass"]);
+    refused(&with("medium 0.9"), "1:8", &["1 or more"]);
+    refused(&with("medium N-BK7 64"), "1:14", &["write - for the V-number"]);
+    refused(&with("medium 1.33\nmedium 1.34"), "2:1", &["a second line \"medium\""]);
 }
 
 #[test]

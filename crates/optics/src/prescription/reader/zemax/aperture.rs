@@ -5,6 +5,7 @@ use super::{blocks::Blocks, surface::ZemaxSurface};
 use crate::prescription::{
     Fate, LensFileError,
     glass::refractive_index,
+    interfaces::Medium,
     reader::{ledger::Ledger, text::Text},
 };
 
@@ -17,10 +18,10 @@ pub(super) enum Aperture {
     EntrancePupil(f64),
     /// Focal length divided by the diameter of the entrance pupil.
     FNumber(f64),
-    /// Working f-number 1/(2 u'), where u' is the slope of the paraxial marginal ray on the image side, for the actual
-    /// object distance.
+    /// Working f-number 1/(2 n' u'), where n' is the index on the image side and u' the slope of the paraxial marginal
+    /// ray there, for the actual object distance.
     WorkingFNumber(f64),
-    /// Numerical aperture on the object side.
+    /// Numerical aperture on the object side: the sine of the half angle times the index of the object's medium.
     ObjectNa(f64),
     /// Half angle of the cone of light from the object, degrees.
     ObjectCone(f64),
@@ -86,16 +87,25 @@ impl Aperture {
 pub(super) struct Paraxial {
     parallel: Vec<f64>,
     from_vertex: Vec<f64>,
-    /// The slopes of the two rays behind the last surface.
+    /// The slopes of the two rays behind the last surface, times the index there.
     slopes: [f64; 2],
+    /// The refractive index in front of the lens.
+    index: f64,
 }
 
 impl Paraxial {
-    /// Traces the two rays through surfaces, with the thicknesses behind them, at a wavelength in nm.
-    pub(super) fn of(surfaces: &[ZemaxSurface], thicknesses: &[f64], wavelength: f64) -> Self {
+    /// Traces the two rays from the medium `object` through surfaces, with the thicknesses behind them, at a wavelength
+    /// in nm.
+    pub(super) fn of(
+        object: Medium,
+        surfaces: &[ZemaxSurface],
+        thicknesses: &[f64],
+        wavelength: f64,
+    ) -> Self {
+        let first_index = refractive_index(object, wavelength);
         let trace = |mut height: f64, mut slope: f64| {
             // The index in front of the surface. `slope` holds the ray's slope times this index.
-            let mut index = 1.0;
+            let mut index = first_index;
             let mut heights = Vec::with_capacity(surfaces.len());
             for (surface, thickness) in surfaces.iter().zip(thicknesses) {
                 heights.push(height);
@@ -109,8 +119,8 @@ impl Paraxial {
             (heights, slope)
         };
         let (parallel, slope) = trace(1.0, 0.0);
-        let (from_vertex, other_slope) = trace(0.0, 1.0);
-        Self { parallel, from_vertex, slopes: [slope, other_slope] }
+        let (from_vertex, other_slope) = trace(0.0, first_index);
+        Self { parallel, from_vertex, slopes: [slope, other_slope], index: first_index }
     }
 
     /// Returns the magnitude of the power 1/f.
@@ -140,7 +150,10 @@ impl Paraxial {
                 ];
                 height / (2.0 * number * slope)
             }
-            Aperture::ObjectNa(na) => by_cone(na / (1.0 - na * na).sqrt()),
+            Aperture::ObjectNa(na) => {
+                let sine = na / self.index;
+                by_cone(sine / (1.0 - sine * sine).sqrt())
+            }
             Aperture::ObjectCone(degrees) => by_cone(degrees.to_radians().tan()),
         };
         Some(size.abs()).filter(|size| *size > 0.0 && size.is_finite())
@@ -178,7 +191,7 @@ impl Paraxial {
             0 => size.min(89.0).to_radians().tan(),
             1 if object.is_finite() => size / (object + self.pupil(stop)),
             1 => 0.0,
-            _ => size * self.power(),
+            _ => size * self.power() / self.index,
         }
     }
 }

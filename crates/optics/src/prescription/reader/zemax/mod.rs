@@ -19,7 +19,7 @@ mod surface;
 use super::{
     ledger::Ledger,
     named_glass::NamedGlasses,
-    surface_rows::{self, Role, SurfaceRow},
+    surface_rows::{self, MediumBehind, Role, SurfaceRow},
     text::{Location, Text},
 };
 use crate::prescription::{
@@ -69,9 +69,10 @@ pub(super) fn read(
         NamedGlasses::new(library, catalogues.iter().map(|catalogue| loose(catalogue.text)).collect());
     let primary = general::primary_wavelength(text, &blocks)?;
     let wavelength = primary.map_or(D_LINE, |(wavelength, _)| wavelength);
-    if let Some(object) = object {
-        surface::object_medium(text, object, &mut glasses)?;
-    }
+    let in_front = match object {
+        Some(object) => surface::object_medium(text, object, &mut glasses, ledger)?,
+        None => Medium::Air.into(),
+    };
     let mut surfaces = own
         .iter()
         .map(|block| surface::read(text, block, &mut glasses, ledger))
@@ -107,22 +108,22 @@ pub(super) fn read(
     if let Some(stop) = stop {
         for (column, thicknesses) in thicknesses.iter().enumerate() {
             let aperture = configurations.aperture(column).map_or(aperture, |value| aperture.with(value));
-            let paraxial = Paraxial::of(&surfaces, &thicknesses[1..], wavelength);
+            let paraxial = Paraxial::of(in_front.medium, &surfaces, &thicknesses[1..], wavelength);
             let by_aperture = paraxial.stop(aperture, stop, thicknesses[0]);
             let own = configurations.value(Operand::StopSize, stop + 1, column).filter(|size| *size > 0.0);
             let listed = own.or(surfaces[stop].listed);
             let size = by_aperture.or(listed).into_iter().chain(surfaces[stop].clip).min_by(f64::total_cmp);
-            stop_sizes.push(size.or_else(|| let_through(&surfaces, stop, &paraxial)));
+            stop_sizes.push(size.or_else(|| let_through(in_front, &surfaces, stop, &paraxial)));
         }
         report_stop(&own[stop], &surfaces[stop], aperture, stop_sizes[0], ledger);
         surfaces[stop].semi_diameter = stop_sizes[0].or(surfaces[stop].semi_diameter);
     }
-    derive_missing(&blocks, own, stop, &mut surfaces, &thicknesses[0], wavelength, ledger);
-    let effective = effective_surfaces(own, &surfaces, &thicknesses[0], ledger);
+    derive_missing(&blocks, own, stop, in_front, &mut surfaces, &thicknesses[0], wavelength, ledger);
+    let effective = effective_surfaces(own, in_front, &surfaces, &thicknesses[0], ledger);
     let gaps: Vec<Vec<f64>> = thicknesses.iter().map(|column| merged(&effective, &column[1..])).collect();
     let mut rows = Vec::with_capacity(effective.len());
     for (row, &i) in effective.iter().enumerate() {
-        rows.push(surface_row(&surfaces, i, gaps[0][row]).ok_or_else(|| {
+        rows.push(surface_row(in_front, &surfaces, i, gaps[0][row]).ok_or_else(|| {
             let message = format!(
                 "surface {} has no semi-diameter (DIAM), and the file does not state an aperture, a field and a stop to \
                  derive it from",
@@ -153,12 +154,16 @@ pub(super) fn read(
         );
     }
     let at = |row: usize, message: &str| text.error(own[effective[row]].location, message);
-    let mut interfaces = surface_rows::interfaces(&rows, &at, ledger)?;
+    let mut interfaces = surface_rows::interfaces(&rows, in_front.medium, &at, ledger)?;
+    if image.is_none() {
+        // Without the image's surface, the medium behind the last surface is unknown.
+        surface_rows::film_in_air(&interfaces, &at)?;
+    }
     interfaces[last].thickness = 0.0;
     let effective_blocks: Vec<_> = effective.iter().map(|&i| &own[i]).collect();
-    let coatings = surface::coatings(&effective_blocks, &interfaces, wavelength, ledger);
+    let coatings = surface::coatings(&effective_blocks, in_front.medium, &interfaces, wavelength, ledger);
     let mut positions = positions(text, &thicknesses, &gaps, &stop_sizes, first_location)?;
-    surface_rows::positions_in_order(&interfaces, positions.as_ref(), &at)?;
+    surface_rows::positions_in_order(in_front.medium, &interfaces, positions.as_ref(), &at)?;
     let (glasses, remarks) = glasses.glasses_and_warnings(text.file);
     let is_angle = blocks.find("FTYP").and_then(|record| record.number_if_any(0)).unwrap_or(0.0) == 0.0;
     let field = Some(2.0 * farthest(&blocks)).filter(|field| is_angle && *field > 0.0 && *field <= 360.0);
@@ -176,6 +181,8 @@ pub(super) fn read(
     }
     let lens = Prescription {
         title: title(&blocks),
+        object_medium: in_front.medium,
+        object_glass: in_front.glass,
         nominal_film_distance: (back > 0.0).then_some(back),
         stated,
         glasses,
@@ -250,8 +257,13 @@ fn is_plane_in_air(block: &Block<'_>) -> bool {
 }
 
 /// Returns the semi-diameter of a stop that states none: that of the widest beam that passes the other surfaces.
-fn let_through(surfaces: &[ZemaxSurface], stop: usize, paraxial: &Paraxial) -> Option<f64> {
-    let counts = |&i: &usize| i != stop && (!is_idle(surfaces, i) || surfaces[i].is_fixed);
+fn let_through(
+    object: MediumBehind,
+    surfaces: &[ZemaxSurface],
+    stop: usize,
+    paraxial: &Paraxial,
+) -> Option<f64> {
+    let counts = |&i: &usize| i != stop && (!is_idle(object, surfaces, i) || surfaces[i].is_fixed);
     let others = (0..surfaces.len()).filter(counts).filter_map(|i| Some((i, surfaces[i].semi_diameter?)));
     paraxial.let_through(stop, others)
 }
@@ -351,9 +363,9 @@ fn thickness(text: &Text<'_>, block: &Block<'_>, is_object: bool) -> Result<f64,
     }
 }
 
-/// Returns whether the media on both sides of a surface are the same.
-fn is_idle(surfaces: &[ZemaxSurface], i: usize) -> bool {
-    let in_front = if i == 0 { Medium::Air.into() } else { surfaces[i - 1].behind };
+/// Returns whether the media on both sides of a surface are the same. `object` is the medium in front of the lens.
+fn is_idle(object: MediumBehind, surfaces: &[ZemaxSurface], i: usize) -> bool {
+    let in_front = if i == 0 { object } else { surfaces[i - 1].behind };
     in_front == surfaces[i].behind
 }
 
@@ -361,6 +373,7 @@ fn is_idle(surfaces: &[ZemaxSurface], i: usize) -> bool {
 /// Planes behind the image limit no ray that reaches the image. The fates of the other surfaces go to `ledger`.
 fn effective_surfaces(
     own: &[Block<'_>],
+    object: MediumBehind,
     surfaces: &[ZemaxSurface],
     thicknesses: &[f64],
     ledger: &mut Ledger<'_>,
@@ -369,7 +382,7 @@ fn effective_surfaces(
     let mut effective: Vec<usize> = Vec::new();
     for i in 0..surfaces.len() {
         let to_image: f64 = thicknesses[i + 1..].iter().sum();
-        let bends = |i: usize| !is_idle(surfaces, i) || surfaces[i].is_stop;
+        let bends = |i: usize| !is_idle(object, surfaces, i) || surfaces[i].is_stop;
         let reason = if bends(i) {
             None
         } else if to_image < 0.0 && !(i..surfaces.len()).any(bends) {
@@ -395,22 +408,24 @@ fn merged(effective: &[usize], thicknesses: &[f64]) -> Vec<f64> {
 }
 
 /// Derives the missing semi-diameters, if the file has the data for that.
+#[allow(clippy::too_many_arguments, reason = "they are the file's parts, each used once")]
 fn derive_missing(
     blocks: &Blocks<'_>,
     own: &[Block<'_>],
     stop: Option<usize>,
+    object: MediumBehind,
     surfaces: &mut [ZemaxSurface],
     thicknesses: &[f64],
     wavelength: f64,
     ledger: &mut Ledger<'_>,
 ) {
     let missing: Vec<usize> = (0..surfaces.len())
-        .filter(|&i| surfaces[i].semi_diameter.is_none() && !is_idle(surfaces, i))
+        .filter(|&i| surfaces[i].semi_diameter.is_none() && !is_idle(object, surfaces, i))
         .collect();
     let Some((stop, size)) = stop.and_then(|stop| Some((stop, surfaces[stop].semi_diameter?))) else {
         return;
     };
-    let paraxial = Paraxial::of(surfaces, &thicknesses[1..], wavelength);
+    let paraxial = Paraxial::of(object.medium, surfaces, &thicknesses[1..], wavelength);
     let field = paraxial.field(blocks, stop, thicknesses[0]);
     for i in missing {
         if let Some(reach) = paraxial.reach(i, stop, size, field) {
@@ -422,11 +437,16 @@ fn derive_missing(
 }
 
 /// Returns the row of a surface; `None` if the surface has no size.
-fn surface_row(surfaces: &[ZemaxSurface], i: usize, thickness: f64) -> Option<SurfaceRow> {
+fn surface_row(
+    object: MediumBehind,
+    surfaces: &[ZemaxSurface],
+    i: usize,
+    thickness: f64,
+) -> Option<SurfaceRow> {
     let surface = &surfaces[i];
     let is_plane =
         surface.curvature == 0.0 && surface.asphere.is_none_or(|asphere| asphere.terms == NO_TERMS);
-    let is_in_air = is_idle(surfaces, i) && surface.behind.medium == Medium::Air;
+    let is_in_air = is_idle(object, surfaces, i) && surface.behind.medium == Medium::Air;
     let role = match surface.is_stop {
         true => Role::Stop,
         false if is_plane && is_in_air => Role::FlareStop,

@@ -15,7 +15,7 @@ use crate::prescription::{
     reader::{
         ledger::Ledger,
         named_glass::NamedGlasses,
-        surface_rows::{MediumBehind, index},
+        surface_rows::{MediumBehind, checked, index},
         text::{Text, no_number},
     },
 };
@@ -185,27 +185,21 @@ fn terms(
     Ok(terms)
 }
 
-/// Checks the medium in front of the lens.
+/// Reads the medium between the object and the lens.
 ///
 /// # Errors
-/// The medium is not air.
+/// The medium is unknown.
 pub(super) fn object_medium(
     text: &Text<'_>,
     object: &Block<'_>,
     glasses: &mut NamedGlasses<'_>,
-) -> Result<(), LensFileError> {
-    let Some(record) = object.find("GLAS") else { return Ok(()) };
-    if glass(text, object, record, glasses)?.medium == Medium::Air {
-        return Ok(());
-    }
-    let words: Vec<&str> = record.values().iter().take(4).map(|value| value.text).collect();
-    let message = format!(
-        "surface {}, the object's, has a glass behind it (GLAS {}): the object is in that medium, and only lenses in air are \
-         traced",
-        object.number,
-        cut(&words.join(" "))
-    );
-    Err(text.error(record.key.location, message))
+    ledger: &mut Ledger<'_>,
+) -> Result<MediumBehind, LensFileError> {
+    let Some(record) = object.find("GLAS") else { return Ok(Medium::Air.into()) };
+    let behind = glass(text, object, record, glasses)?;
+    Ok(checked(behind, |reason| {
+        ledger.warn(Fate::Replaced, record.key.location, "GLAS", Some(object.number), reason);
+    }))
 }
 
 /// The required form of a model glass, for messages.
@@ -292,12 +286,13 @@ const COATINGS: [(&str, Coating); 5] = [
 /// Returns `None` if the file names no coating. Warnings about unsupported coatings go to `ledger`.
 pub(super) fn coatings(
     blocks: &[&Block<'_>],
+    object: Medium,
     interfaces: &[Interface],
     wavelength: f64,
     ledger: &mut Ledger<'_>,
 ) -> Option<Vec<SurfaceCoating>> {
     let mut names_any = false;
-    let coatings = blocks.iter().zip(has_coating(interfaces)).map(|(block, can_have)| {
+    let coatings = blocks.iter().zip(has_coating(object, interfaces)).map(|(block, can_have)| {
         let named = |coating| SurfaceCoating::Named { coating, wavelength };
         let bare = named(Coating::Bare);
         let Some(name) = block.find("COAT").and_then(|record| record.word(0)) else { return bare };

@@ -247,11 +247,6 @@ fn a_malformed_file_is_refused_with_the_location() {
     refused(&with("___BLANK 1 0 1.6", "___BLANK 1 0 0"), "48:3", &["index of 1 or more"]);
     refused(&with("UNIT MM", "UNIT FT"), "4:6", &["\"FT\" is not a unit"]);
     refused(&with("ENPD 8.0", "ENPD -8"), "5:1", &["is not an aperture"]);
-    refused(
-        &with("  CURV 0\n  DISZ 30", "  CURV 0\n  GLAS N-BK7 0 0\n  DISZ 30"),
-        "50:1",
-        &["glass behind it"],
-    );
     refused(&with("DISZ INFINITY", "DISZ -5"), "10:1", &["expected a positive distance"]);
     refused("NM BK7 2 517642\nCD 1 2 3 4 5 6\n", "1:1", &["catalogue of glasses", "glass_catalog"]);
     refused(
