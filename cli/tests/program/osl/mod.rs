@@ -2,6 +2,7 @@
 //! so close to C that a few replacements convert it; the arithmetic remains in single precision.
 
 mod apertures;
+mod media;
 
 use realistic_camera::sampling::PupilDisk;
 use realistic_camera::{FocusBy, Host, Parameters, Raster, Zoom, group_reach, open_lens};
