@@ -8,7 +8,7 @@ use crate::failure::Failure;
 use clap::{ArgMatches, Command};
 use realistic_camera::{
     Exposure, Host, Level, PARAMETERS, Parameters, Raster, blades, coatings, film_distance, film_surface,
-    group_reach, open_lens,
+    group_reach, open_lens, stop_picture,
 };
 use realistic_optics::imaging::{focus::Conjugates, open::StopSize};
 use realistic_optics::lens::Lens;
@@ -44,6 +44,10 @@ const LENS_PARAMETERS: [&str; 11] = [
     "wavelength",
     "mm_per_unit",
 ];
+
+/// Parameters of the shape of the stop's opening.
+const STOP_SHAPE: [&str; 5] =
+    ["blades", "blade_rotation", "blade_curvature", "stop_picture", "stop_picture_gain"];
 
 /// Parameters of film that is not flat and centred on the axis.
 const POSED_FILM: [&str; 5] =
@@ -234,16 +238,34 @@ impl LensChoice {
         self.open_with(&LENS_PARAMETERS)
     }
 
-    /// Opens the lens as [`LensChoice::open`] does, for commands that use the shape of the stop and accept the
-    /// parameters of its blades.
+    /// Opens the lens as [`LensChoice::open`] does, for commands that use the shape of the stop and accept its
+    /// parameters.
     ///
     /// # Errors
-    /// As for [`open_lens`].
-    pub fn open_with_blades(&self) -> Result<OpenedLens, Failure> {
-        let of_blades = ["blades", "blade_rotation", "blade_curvature"];
-        let mut opened = self.open_with(&[&LENS_PARAMETERS[..], &of_blades].concat())?;
-        opened.lens.set_blades(blades(&opened.parameters, &opened.prescription)?);
+    /// As for [`open_lens`], [`blades`] and [`stop_picture`].
+    pub fn open_with_stop(&self) -> Result<OpenedLens, Failure> {
+        self.open_with_stop_and(&[])
+    }
+
+    fn open_with_stop_and(&self, more: &[&str]) -> Result<OpenedLens, Failure> {
+        let mut opened = self.open_with(&[&LENS_PARAMETERS[..], &STOP_SHAPE, more].concat())?;
+        let OpenedLens { prescription, lens, parameters, host } = &mut opened;
+        lens.set_blades(blades(parameters, prescription)?);
+        if let Some(picture) = stop_picture(parameters, prescription, host, &mut log)? {
+            lens.add_picture(picture);
+        }
         Ok(opened)
+    }
+
+    /// Refuses a parameter that is given.
+    ///
+    /// # Errors
+    /// It is given; `instead` says what to do.
+    pub fn refuse(&self, name: &str, instead: &str) -> Result<(), Failure> {
+        match self.0.given().any(|(given, _)| given == name) {
+            true => Err(Failure::Usage(format!("this command has no \"{name}\": {instead}"))),
+            false => Ok(()),
+        }
     }
 
     /// Finds the lens and accepts the parameter for the transmission of its surfaces, too.
@@ -254,12 +276,12 @@ impl LensChoice {
         self.open_with(&[&LENS_PARAMETERS[..], &["transmission"]].concat())
     }
 
-    /// Finds the lens and accepts the parameters of the exposure, too.
+    /// Opens the lens as [`LensChoice::open_with_stop`] does and accepts the parameters of the exposure, too.
     ///
     /// # Errors
-    /// As for [`open_lens`].
+    /// As for [`LensChoice::open_with_stop`].
     pub fn open_with_exposure(&self) -> Result<OpenedLens, Failure> {
-        self.open_with(&[&LENS_PARAMETERS[..], &Exposure::PARAMETERS].concat())
+        self.open_with_stop_and(&Exposure::PARAMETERS)
     }
 
     /// Finds the lens as its file describes it, without any other setting.
@@ -294,12 +316,16 @@ impl LensChoice {
             }
         }
         let host = host(&mut parameters, Raster { xres: 1, yres: 1 })?;
-        let log = &mut |level: Level, message: &str| match level {
-            Level::Info => note(message),
-            Level::Warning | Level::Error => warn(message),
-        };
-        let (prescription, lens) = open_lens(&parameters, &host, log)?;
+        let (prescription, lens) = open_lens(&parameters, &host, &mut log)?;
         Ok(OpenedLens { prescription, lens, parameters, host })
+    }
+}
+
+/// Prints a message of the library.
+fn log(level: Level, message: &str) {
+    match level {
+        Level::Info => note(message),
+        Level::Warning | Level::Error => warn(message),
     }
 }
 

@@ -111,8 +111,8 @@ fn exposure(given: &Parameters, lens: &Lens, film: Film) -> Result<Option<LensEx
         return Ok(None);
     };
     let rear = PupilDisk::rear(lens, film.z, 0.0);
-    let light =
-        rear.map_or(0.0, |rear| on_axis(&LightPath::<f64>::film_to_scene(lens), film.z, rear.slope_radius()));
+    let path = LightPath::<f64>::film_to_scene(lens).with_apertures(lens);
+    let light = lens.radiance_factor() * rear.map_or(0.0, |rear| on_axis(&path, film.z, rear.slope_radius()));
     if !(light > 0.0) {
         return Err(FieldError::Dark(lens.name.clone()).into());
     }

@@ -269,6 +269,7 @@ fn apertures(text: &mut String, apertures: &[Aperture], radius: &str, [x, y, w]:
                 }
                 "m > 0.5".to_owned()
             }
+            OutlineTest::Picture(_) => unreachable!("a lens of a file has no picture"),
         };
         let blocked = if test.is_obstruction { inside } else { format!("!({inside})") };
         let _ = writeln!(text, "  if ({blocked})\n    return 0;");

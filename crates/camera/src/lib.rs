@@ -75,4 +75,6 @@ pub use placement::{
 };
 pub use rays::{Outcome, RayDifferential, Rays, WorldRay};
 pub use samples::{Sample, Samples};
-pub use setup::{Crop, Facts, blades, coatings, film_distance, film_surface, group_reach, open_lens};
+pub use setup::{
+    Crop, Facts, blades, coatings, film_distance, film_surface, group_reach, open_lens, stop_picture,
+};

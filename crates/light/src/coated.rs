@@ -46,6 +46,17 @@ impl Surfaces {
         Self::with(lens, |surface| &coatings[surface], true)
     }
 
+    /// Returns the surfaces of a lens that loses light nowhere but at a picture in its stop.
+    pub fn lossless(lens: &Lens) -> Self {
+        let count = lens.surfaces.len();
+        let boundary = Boundary::untabulated([1.0; 2], &[], lens.wavelength);
+        Self {
+            boundaries: [boundary].into(),
+            of_surface: vec![0; count].into(),
+            absorption: vec![0.0; count].into(),
+        }
+    }
+
     /// Builds the surfaces as [`Surfaces::of_each`] does, but without tables, for a small number of rays.
     pub fn untabulated(lens: &Lens, coatings: &[SurfaceCoating]) -> Self {
         Self::with(lens, |surface| &coatings[surface], false)
@@ -330,6 +341,7 @@ fn carry<S: Borrow<PathSurface<f64>>>(
                 light.dim((-absorption * met.distance).exp());
             }
         }
+        light.dim(met.transmission);
         let cosine = (dot(met.v, met.normal) * met.n.recip()).min(1.0);
         if let Some(share) = optics.share(surface, &met, cosine) {
             light.meet(met.v, met.normal, share);

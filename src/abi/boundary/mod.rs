@@ -41,8 +41,7 @@ pub enum realistic_status {
     LensFile = 4,
     /// The lens cannot be focused at the requested distance.
     UnreachableFocus = 5,
-    /// Reserved, and not returned by this version. A file other than the lens description cannot be read or
-    /// written.
+    /// A file other than the lens description cannot be read: the picture of `stop_picture`.
     Io = 6,
     /// A panic was caught, which is a defect of this library.
     Panic = 7,
@@ -243,6 +242,7 @@ impl From<CameraError> for Failure {
     fn from(error: CameraError) -> Self {
         let status = match &error {
             CameraError::Source(_) => realistic_status::LensFile,
+            CameraError::PictureFile(_) | CameraError::StopPicture { .. } => realistic_status::Io,
             CameraError::Focus(FocusError::TooNear { .. })
             | CameraError::TooNear { .. }
             | CameraError::Moving(MovingError::Unreachable { .. }) => realistic_status::UnreachableFocus,
@@ -263,7 +263,8 @@ impl From<CameraError> for Failure {
             | CameraError::GhostsOnPosedFilm
             | CameraError::FilmCurvature { .. }
             | CameraError::Exposure { .. }
-            | CameraError::NoStopForBlades { .. }
+            | CameraError::NoStopFor { .. }
+            | CameraError::GainWithoutPicture
             | CameraError::Transform(_)
             | CameraError::Raster { .. } => realistic_status::InvalidParameter,
         };

@@ -198,14 +198,14 @@ fn glass_names(lens: &Prescription) -> Vec<(String, OwnMedium)> {
     names
 }
 
-/// Writes an aperture or an obstruction of a row. Blades have a line of their own.
+/// Writes an aperture or an obstruction of a row. Blades have a line of their own, and a lens file has no pictures.
 fn write_aperture(text: &mut String, row: usize, aperture: &Aperture) {
     let (shape, sizes) = match &aperture.outline {
         Outline::Ellipse([x, y]) if x == y => ("circle", vec![*x]),
         Outline::Ellipse(semi_axes) => ("ellipse", semi_axes.to_vec()),
         Outline::Rectangle(half_widths) => ("rectangle", half_widths.to_vec()),
         Outline::Polygon(vertices) => ("polygon", vertices.concat()),
-        Outline::Blades(_) => return,
+        Outline::Blades(_) | Outline::Picture(_) => return,
     };
     let Aperture { center: [x, y], rotation, is_obstruction, .. } = *aperture;
     let mut words = vec![row.to_string(), shape.to_owned()];

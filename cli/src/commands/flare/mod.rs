@@ -123,7 +123,7 @@ const LEFT_OUT: f64 = 1e-4;
 /// # Errors
 /// There is no such lens, the film distance lies inside the lens, or a file cannot be written.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let opened = args.lens.open_with_blades()?;
+    let opened = args.lens.open_with_stop()?;
     let film_distance = opened.film_distance()?;
     let [edge_sagitta, _] = opened.lens.rear().sagitta_range();
     if film_distance + edge_sagitta <= 0.0 {

@@ -1,5 +1,7 @@
 //! The reasons why a parameter is refused and why a camera cannot be built.
 
+use std::path::PathBuf;
+
 use thiserror::Error;
 
 use super::{named::Weighting, units::Units};
@@ -104,11 +106,27 @@ pub enum CameraError {
         /// The parameter.
         name: &'static str,
     },
-    /// The lens has no stop for blades.
-    #[error("lens \"{lens}\" has no stop row for \"blades\" to stand in; leave them out")]
-    NoStopForBlades {
+    /// The lens has no stop for the shape of its opening.
+    #[error("lens \"{lens}\" has no stop row for \"{name}\"; leave \"{name}\" out")]
+    NoStopFor {
+        /// The parameter.
+        name: &'static str,
         /// The lens.
         lens: String,
+    },
+    /// A gain was given for a picture that is not.
+    #[error("\"stop_picture_gain\" scales the \"stop_picture\", and none is given; give the picture's file")]
+    GainWithoutPicture,
+    /// The picture in the stop was not found or cannot be read.
+    #[error("\"stop_picture\": {0}")]
+    PictureFile(SourceError),
+    /// The file is no picture for a stop.
+    #[error("\"stop_picture\": \"{}\" {why}", path.display())]
+    StopPicture {
+        /// The file.
+        path: PathBuf,
+        /// The reason.
+        why: String,
     },
     /// The coatings of the lens file were requested, but the lens file names none.
     #[error(

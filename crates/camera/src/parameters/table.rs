@@ -211,6 +211,8 @@ macro_rules! for_each_parameter {
             blades: f64 in BLADES, "", or "the lens file's, or 0", TRACED, "number of blades of the stop, 3 or more; their corners lie on the circle of its clear diameter";
             blade_rotation or "bladerotation": f64 in TURN, "degrees", or "the lens file's, or 0", TRACED, "angle of the blades' first corner, from image right toward image up";
             blade_curvature or "bladecurvature": f64 in SHARE, "", or "the lens file's, or 0", TRACED, "curvature of the blades' edges relative to that of the circle: 0 is straight, 1 the circle";
+            stop_picture or "stoppicture": String, "", or "", TRACED, "PNG or EXR picture of the stop's transmission, centred on the axis and as wide as the stop; 8-bit values are sRGB, all others linear";
+            stop_picture_gain or "stoppicturegain": bool, "", or "false", TRACED, "whether the picture's mean transmission over the stop is scaled to 1";
             film_diagonal or "filmdiag" "filmdiagonal": f64 in POSITIVE, "mm", = "35", LENSES, "diagonal of the film";
             film_shift_x or "filmshiftx": f64 in OFFSET, "mm", = "0", LENSES, "shift of the film from the axis toward image right; the picture shows more of what lies on the left";
             film_shift_y or "filmshifty": f64 in OFFSET, "mm", = "0", LENSES, "shift of the film from the axis toward image up; the picture shows more of what lies below";

@@ -10,7 +10,7 @@ use crate::{
     sampling::{DiskMapping, film_rays::FilmRays},
 };
 use realistic_optics::{
-    lens::{cos4, film_ray},
+    lens::{Lens, cos4, film_ray},
     prescription::SurfaceCoating,
     trace::{Blocked, Ray},
 };
@@ -33,6 +33,12 @@ impl CameraBody {
     /// Returns the sampling of the film in the precision `S`.
     pub fn film_sampling<S: KernelScalar>(&self) -> FilmSampling<S> {
         FilmSampling::new(&self.film_side)
+    }
+
+    /// Whether the rays of the camera's lens carry a share of their light: with coatings, and with a picture in
+    /// the stop.
+    pub fn carries_light(&self, lens: &Lens) -> bool {
+        self.coatings.is_some() || lens.has_picture()
     }
 
     /// Whether a film ray lacks a point of the unit disk because the mapping requests another lens sample.

@@ -21,7 +21,7 @@ use realistic_optics::{
 pub struct WalkTracer<R> {
     film: FilmSampling<f64>,
     path: Path<R>,
-    /// The path with the light of the rays, if weights include the lens's transmission.
+    /// The path with the light of the rays, if weights include it.
     lit: Option<LitPath>,
     body: CameraBody,
 }
@@ -29,10 +29,12 @@ pub struct WalkTracer<R> {
 impl<R: Real> WalkTracer<R> {
     /// Prepares the camera; `path` is the path from the film to the scene through `lens`.
     pub fn new(path: Path<R>, lens: &Lens, body: &CameraBody) -> Self {
-        let lit = body
-            .coatings
-            .as_ref()
-            .map(|coatings| LitPath::new(Path::film_to_scene(lens), &Surfaces::untabulated(lens, coatings)));
+        let surfaces = || match &body.coatings {
+            Some(coatings) => Surfaces::untabulated(lens, coatings),
+            None => Surfaces::lossless(lens),
+        };
+        let whole = || Path::film_to_scene(lens).with_apertures(lens);
+        let lit = body.carries_light(lens).then(|| LitPath::new(whole(), &surfaces()));
         Self { film: body.film_sampling(), path, lit, body: body.clone() }
     }
 

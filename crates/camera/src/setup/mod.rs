@@ -13,6 +13,7 @@ mod focusing;
 mod groups;
 mod prescribed;
 mod shared;
+mod stop_picture;
 
 pub use common::Crop;
 pub(crate) use common::{disk_mapping, placement, raster, shutter, warn_of_unused};
@@ -22,3 +23,4 @@ pub(crate) use focusing::Focusing;
 pub(crate) use prescribed::Setup;
 pub use prescribed::{blades, coatings, film_distance, film_surface, group_reach, open_lens};
 pub(crate) use shared::SharedLens;
+pub use stop_picture::stop_picture;

@@ -9,6 +9,7 @@ use super::{
     focusing::{FilmPosition, Focusing, place_film, warn_of_blurred_film},
     groups::{focus_distance, place_groups, reach},
     shared::SharedLens,
+    stop_picture::stop_picture,
 };
 use crate::{
     film::Film,
@@ -84,6 +85,9 @@ impl Setup {
         let focus_distance_mm = focus_distance(given)?.or(in_focus);
         let OpenLens { mut lens, first_order, beam } = in_use.optics.lens.clone();
         lens.set_blades(blades(given, prescription)?);
+        if let Some(picture) = stop_picture(given, prescription, host, log)? {
+            lens.add_picture(picture);
+        }
         check_reach(&lens, film_distance, units.mm)?;
         let facts = Facts { lens, first_order, beam, film, film_distance, focus_distance_mm };
         let is_given = given.film_distance.is_some();
@@ -144,7 +148,7 @@ pub fn blades(given: &Parameters, prescription: &Prescription) -> Result<Option<
         };
     }
     if prescription.stop_in_air().is_none() {
-        return Err(CameraError::NoStopForBlades { lens: prescription.name.clone() });
+        return Err(CameraError::NoStopFor { name: "blades", lens: prescription.name.clone() });
     }
     let own = prescription.blades().unwrap_or(Blades { count, rotation: 0.0, curvature: 0.0 });
     Ok(Some(Blades {

@@ -5,13 +5,14 @@ use std::f64::consts::{PI, TAU};
 
 use crate::{
     lens::{cos4, film_ray, pupil::SlopeDisk},
-    trace::{Path, Real},
+    trace::{ApertureTest, Path, Real},
 };
 use realistic_base::numeric::edge;
 
 /// Returns the irradiance on the axis for a film at `film`. Seen from the axis the pupil of clear apertures is a disk or
 /// annuli, whose edges are found along one radius, up to a slope of `reach`; the result is then exact except for
-/// rounding. Other apertures and obstructions are tested along many radii, with a relative error below 1e-5.
+/// rounding. Other apertures and obstructions are tested along many radii, with a relative error below 1e-5, and a
+/// picture is sampled there.
 pub fn on_axis<R: Real>(path: &Path<R>, film: f64, reach: f64) -> f64 {
     let clear = path.clone().without_apertures();
     let passes = |slope: f64| clear.trace(film_ray([0.0; 2], film, [slope, 0.0])).is_ok();
@@ -68,17 +69,33 @@ fn through_apertures<R: Real>(path: &Path<R>, clear: &Path<R>, film: f64, [from,
     let rays: Vec<Vec<f64>> = (0..=SCAN).map(traced).collect();
     let lit = |azimuth: f64| {
         let (sine, cosine) = azimuth.sin_cos();
-        let passes = |place: f64| {
+        let transmission = |place: f64| -> f64 {
             let first = (place as usize).min(SCAN as usize - 1);
             let share = place - first as f64;
-            shaped.iter().all(|&step| {
+            let of_step = |&step: &usize| {
                 let distance = rays[first][step] * (1.0 - share) + rays[first + 1][step] * share;
                 let point = [distance * cosine, distance * sine].map(R::from_f64);
-                path.steps()[step].apertures.iter().all(|aperture| aperture.passes(point))
-            })
+                let of_aperture = |aperture: &ApertureTest<R>| {
+                    if aperture.passes(point) { aperture.transmission(point) } else { 0.0 }
+                };
+                path.steps()[step].apertures.iter().map(of_aperture).product::<f64>()
+            };
+            shaped.iter().map(of_step).product()
         };
-        let parts = open_parts([0.0, f64::from(SCAN)], SCAN, 1e-9, passes);
-        parts.iter().map(|[from, to]| disk(slope(*to)) - disk(slope(*from))).sum::<f64>()
+        let parts = open_parts([0.0, f64::from(SCAN)], SCAN, 1e-9, |place| transmission(place) > 0.0);
+        let lit = |[from, to]: [f64; 2]| {
+            transmission(f64::midpoint(from, to)) * (disk(slope(to)) - disk(slope(from)))
+        };
+        // The parts are cut at the steps of the scan.
+        let cut = |[from, to]: &[f64; 2]| -> f64 {
+            let first = from.floor();
+            let steps = (to.ceil() - first) as u32;
+            (0..steps)
+                .map(|i| [from.max(first + f64::from(i)), to.min(first + f64::from(i + 1))])
+                .map(lit)
+                .sum()
+        };
+        parts.iter().map(cut).sum::<f64>()
     };
     let azimuth = |i: u32| (f64::from(i) + 0.5) * TAU / f64::from(AZIMUTHS);
     (0..AZIMUTHS).map(|i| lit(azimuth(i))).sum::<f64>() / f64::from(AZIMUTHS)

@@ -9,7 +9,7 @@ use thiserror::Error;
 
 use super::figure::Figure;
 use crate::prescription::{
-    Aperture, Blades, Prescription, Shape,
+    Aperture, Blades, Outline, Prescription, Shape, StopPicture,
     glass::{D_LINE, refractive_index},
 };
 use realistic_base::{
@@ -287,6 +287,21 @@ impl Lens {
         if let Some(stop) = self.stop_index() {
             Aperture::set_blades(&mut self.surfaces[stop].apertures, blades);
         }
+    }
+
+    /// Adds a picture to the stop, if the lens has a stop.
+    pub fn add_picture(&mut self, picture: StopPicture) {
+        if let Some(stop) = self.stop_index() {
+            let apertures = &mut self.surfaces[stop].apertures;
+            let picture = Aperture::centered(Outline::Picture(Arc::new(picture)));
+            *apertures = apertures.iter().cloned().chain([picture]).collect();
+        }
+    }
+
+    /// Whether a picture dims the light of rays.
+    pub fn has_picture(&self) -> bool {
+        let apertures = self.surfaces.iter().flat_map(|surface| surface.apertures.iter());
+        apertures.into_iter().any(|aperture| matches!(aperture.outline, Outline::Picture(_)))
     }
 
     /// Returns the lens with clear apertures alone.

@@ -7,7 +7,7 @@
 
 use std::sync::Arc;
 
-use super::blades::Blades;
+use super::{blades::Blades, picture::StopPicture};
 
 /// An aperture or an obstruction of a surface.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,6 +34,8 @@ pub enum Outline {
     Polygon(Arc<[[f64; 2]]>),
     /// The opening that blades leave in a circle.
     Blades(Blades),
+    /// The transmission of a picture, as wide as the clear aperture. Light passes where it is more than 0.
+    Picture(Arc<StopPicture>),
 }
 
 /// Maximum number of vertices of a polygon. Every ray is tested against every edge.
@@ -60,8 +62,8 @@ impl Aperture {
         }
     }
 
-    /// Returns the distance from the axis to the farthest point of the outline; 0 for the opening of blades. A row whose
-    /// clear semi-diameter is this distance clips nothing of the outline.
+    /// Returns the distance from the axis to the farthest point of the outline; 0 for the opening of blades and for a
+    /// picture. A row whose clear semi-diameter is this distance clips nothing of the outline.
     pub fn reach(&self) -> f64 {
         match &self.outline {
             Outline::Ellipse(semi_axes) => {
@@ -69,12 +71,12 @@ impl Aperture {
             }
             Outline::Rectangle([x, y]) => self.farthest(&[[*x, *y], [-x, *y], [-x, -y], [*x, -y]]),
             Outline::Polygon(vertices) => self.farthest(vertices),
-            Outline::Blades(_) => 0.0,
+            Outline::Blades(_) | Outline::Picture(_) => 0.0,
         }
     }
 
-    /// Returns the aperture with every length multiplied by `factor`. The blades of a stop stay, because their circle is
-    /// the clear aperture.
+    /// Returns the aperture with every length multiplied by `factor`. The blades and the picture of a stop stay, because
+    /// their circle is the clear aperture.
     #[must_use]
     pub fn scaled(&self, factor: f64) -> Self {
         let scaled = |point: &[f64; 2]| point.map(|part| part * factor);
@@ -82,7 +84,7 @@ impl Aperture {
             Outline::Ellipse(semi_axes) => Outline::Ellipse(scaled(semi_axes)),
             Outline::Rectangle(half_widths) => Outline::Rectangle(scaled(half_widths)),
             Outline::Polygon(vertices) => Outline::Polygon(vertices.iter().map(scaled).collect()),
-            Outline::Blades(blades) => Outline::Blades(*blades),
+            Outline::Blades(_) | Outline::Picture(_) => self.outline.clone(),
         };
         Self { outline, center: scaled(&self.center), ..*self }
     }

@@ -21,6 +21,7 @@ mod coating;
 mod findings;
 pub mod glass;
 mod interfaces;
+mod picture;
 mod positions;
 mod reader;
 mod source;
@@ -36,9 +37,10 @@ pub use glass::GlassLibrary;
 pub use interfaces::{
     Asphere, AsphereTerms, FIRST_POWER, Glass, Interface, Medium, NO_TERMS, Prescription, Shape, Stated,
 };
+pub use picture::{MAX_PICTURE_SIDE, StopPicture};
 pub use positions::{Layout, Position, Positions};
 pub use reader::{read, read_with};
-pub use source::{SearchPath, SourceError, glass_library};
+pub use source::{SearchPath, SourceError, find_file, glass_library};
 pub(crate) use source::{load, split_scale};
 
 /// An error in a lens file, shown as `file:line:column: what was expected`.

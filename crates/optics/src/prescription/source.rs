@@ -72,12 +72,13 @@ impl SearchPath {
         searched.join(", ") + self.unsearched
     }
 
-    /// Returns the path of the first file with that name: the file as given, then the file in each directory.
+    /// Returns the path of the first file with that name: the file as given, then the file in each directory. `what` is
+    /// the kind of file, for the message.
     ///
     /// # Errors
     /// No such file exists. The error has the reason for the first match that is not a regular file, if there is such a
     /// match.
-    fn find(&self, name: &str) -> Result<PathBuf, Option<SourceError>> {
+    fn find(&self, what: &'static str, name: &str) -> Result<PathBuf, Option<SourceError>> {
         let given = Path::new(name);
         let directories = self.directories.iter().filter(|_| given.is_relative());
         let mut no_file = None;
@@ -87,7 +88,7 @@ impl SearchPath {
             match is_file(&path) {
                 Ok(true) => return Ok(path),
                 Ok(false) => {}
-                Err(why) => no_file = no_file.or(Some(SourceError::NoFile { path, why })),
+                Err(why) => no_file = no_file.or(Some(SourceError::NoFile { what, path, why })),
             }
         }
         Err(no_file)
@@ -101,8 +102,8 @@ impl SearchPath {
 fn is_file(path: &Path) -> Result<bool, String> {
     match std::fs::metadata(path) {
         Ok(found) if found.is_file() => Ok(true),
-        Ok(found) if found.is_dir() => Err("is a directory; give a lens file in it".to_owned()),
-        Ok(_) => Err("is a pipe or a device, which is not waited for; write the lens to a file (the program reads it from \
+        Ok(found) if found.is_dir() => Err("is a directory; give a file in it".to_owned()),
+        Ok(_) => Err("is a pipe or a device, which is not waited for; write it to a file (the program reads a lens from \
                       standard input as \"-\", C callers give its text as lens_text)"
             .to_owned()),
         Err(error) => unreachable_file(&error).map_or(Ok(false), Err),
@@ -138,25 +139,31 @@ pub enum SourceError {
         /// A question that suggests the most similar name in the catalogue, or a list of all names in the catalogue.
         known: String,
     },
-    /// No glass catalogue has that name.
-    #[error("no glass catalogue \"{name}\" in {searched}")]
-    NoCatalogue {
+    /// No file has that name.
+    #[error("no {what} \"{name}\" in {searched}")]
+    NoSuchFile {
+        /// The kind of file.
+        what: &'static str,
         /// The name as given.
         name: String,
         /// The directories that were searched, and those that were not.
         searched: String,
     },
     /// Something of that name exists, but is not a file.
-    #[error("lens \"{}\" {why}", path.display())]
+    #[error("{what} \"{}\" {why}", path.display())]
     NoFile {
+        /// The kind of file.
+        what: &'static str,
         /// The path that exists.
         path: PathBuf,
         /// A description of what exists at the path, for the message.
         why: String,
     },
     /// The file exists, but cannot be read.
-    #[error("lens file \"{}\" cannot be read: {error}", path.display())]
+    #[error("{what} \"{}\" cannot be read: {error}", path.display())]
     Unreadable {
+        /// The kind of file.
+        what: &'static str,
         /// The file.
         path: PathBuf,
         /// The error of the operating system.
@@ -192,7 +199,7 @@ pub enum SourceError {
 /// bytes without its directories, or more than [`MAX_PATH_BYTES`] with them.
 pub fn split_scale<'a>(name: &'a str, search: &SearchPath) -> Result<(&'a str, Option<f64>), SourceError> {
     check_length("lens", name)?;
-    let Some((table, scale)) = name.rsplit_once('@').filter(|_| search.find(name).is_err()) else {
+    let Some((table, scale)) = name.rsplit_once('@').filter(|_| search.find("lens", name).is_err()) else {
         return Ok((name, None));
     };
     let number = scale.strip_suffix("mm").and_then(|number| number.trim().parse().ok());
@@ -209,7 +216,7 @@ pub fn split_scale<'a>(name: &'a str, search: &SearchPath) -> Result<(&'a str, O
 /// No such lens exists, the path leads to something other than a file, the file is unreadable, or the file is not a
 /// lens.
 pub fn load(table: &str, search: &SearchPath, library: GlassLibrary) -> Result<Prescription, SourceError> {
-    let no_file = match search.find(table) {
+    let no_file = match search.find("lens", table) {
         Ok(path) => {
             let mut lens = read_file(&path, library)?;
             if catalogue::names().any(|name| name == table) {
@@ -246,12 +253,28 @@ fn catalogue_name(table: &str) -> &str {
 pub fn glass_library(name: Option<&str>, search: &SearchPath) -> Result<GlassLibrary, SourceError> {
     let mut library = GlassLibrary::default();
     if let Some(name) = name {
-        check_length("glass catalogue", name)?;
-        let none = || SourceError::NoCatalogue { name: cut(name), searched: search.in_words() };
-        let path = search.find(name).map_err(|no_file| no_file.unwrap_or_else(none))?;
-        library.add(&path.display().to_string(), &bytes_of(&path, MAX_CATALOG_BYTES)?)?;
+        let (path, bytes) = find_file("glass catalogue", name, search, MAX_CATALOG_BYTES)?;
+        library.add(&path.display().to_string(), &bytes)?;
     }
     Ok(library)
+}
+
+/// Finds and reads a file as given or along `search`; `what` is its kind, for messages. Returns its path and at most
+/// one byte more than `most`.
+///
+/// # Errors
+/// No such file exists, the file is unreadable, or the name is too long.
+pub fn find_file(
+    what: &'static str,
+    name: &str,
+    search: &SearchPath,
+    most: u64,
+) -> Result<(PathBuf, Vec<u8>), SourceError> {
+    check_length(what, name)?;
+    let none = || SourceError::NoSuchFile { what, name: cut(name), searched: search.in_words() };
+    let path = search.find(what, name).map_err(|no_file| no_file.unwrap_or_else(none))?;
+    let bytes = bytes_of(what, &path, most)?;
+    Ok((path, bytes))
 }
 
 /// Checks that a name is no longer than the name of a file can be.
@@ -264,16 +287,16 @@ fn check_length(what: &'static str, name: &str) -> Result<(), SourceError> {
 }
 
 fn read_file(path: &Path, library: GlassLibrary) -> Result<Prescription, SourceError> {
-    let bytes = bytes_of(path, MAX_FILE_BYTES)?;
+    let bytes = bytes_of("lens file", path, MAX_FILE_BYTES)?;
     Ok(read_with(&path.display().to_string(), &bytes, &library.beside(path))?)
 }
 
-fn bytes_of(path: &Path, most: u64) -> Result<Vec<u8>, SourceError> {
+fn bytes_of(what: &'static str, path: &Path, most: u64) -> Result<Vec<u8>, SourceError> {
     // The path may have been replaced by something else since the first check.
     if let Err(why) = is_file(path) {
-        return Err(SourceError::NoFile { path: path.to_owned(), why });
+        return Err(SourceError::NoFile { what, path: path.to_owned(), why });
     }
-    let unreadable = |error| SourceError::Unreadable { path: path.to_owned(), error };
+    let unreadable = |error| SourceError::Unreadable { what, path: path.to_owned(), error };
     std::fs::File::open(path).and_then(|file| bounded(file, most)).map_err(unreadable)
 }
 
@@ -452,8 +475,8 @@ mod tests {
             load(name, &nowhere, GlassLibrary::default()).expect_err("no file").to_string()
         };
         for (name, words) in [
-            (path("directory"), "directory\" is a directory; give a lens file in it"),
-            (path("pipe"), "pipe\" is a pipe or a device, which is not waited for; write the lens to a file"),
+            (path("directory"), "directory\" is a directory; give a file in it"),
+            (path("pipe"), "pipe\" is a pipe or a device, which is not waited for; write it to a file"),
             (Path::new("/dev/zero").to_owned(), "lens \"/dev/zero\" is a pipe or a device"),
             (path("loop"), "loop\" is a loop of symbolic links"),
             (path("directory/none"), "no lens file \""),
@@ -467,8 +490,11 @@ mod tests {
             denied.as_deref(),
             Some("is in a directory that this user has no permission to look into")
         );
-        let unreadable =
-            SourceError::Unreadable { path: "a.dat".into(), error: ErrorKind::PermissionDenied.into() };
+        let unreadable = SourceError::Unreadable {
+            what: "lens file",
+            path: "a.dat".into(),
+            error: ErrorKind::PermissionDenied.into(),
+        };
         assert_eq!(unreadable.to_string(), "lens file \"a.dat\" cannot be read: permission denied");
         // A directory with the name of a lens in the catalogue does not hide that lens.
         std::fs::create_dir(path("dgauss.50mm")).expect("made");

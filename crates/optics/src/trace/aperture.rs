@@ -1,9 +1,12 @@
 //! The tests of a ray's point against the apertures and obstructions of a surface, in numbers of any type.
 //!
 //! An ellipse, a rectangle and the opening of blades share one inequality ([`ConvexTest`]). A polygon counts the edges
-//! that a ray from the point crosses ([`Edge`]). The kernel evaluates the same constants in lanes.
+//! that a ray from the point crosses ([`Edge`]). A picture has a transmission ([`PictureTest`]). The kernel evaluates the
+//! same constants in lanes.
 
-use crate::prescription::{Aperture, BladeConstants, Outline};
+use std::sync::Arc;
+
+use crate::prescription::{Aperture, BladeConstants, Outline, StopPicture};
 use realistic_base::numeric::Real;
 
 /// The test of one aperture or obstruction of a surface.
@@ -22,6 +25,19 @@ pub enum OutlineTest<R> {
     Convex(ConvexTest<R>),
     /// The edges of a polygon.
     Polygon(Box<[Edge<R>]>),
+    /// A picture, which counts as outside where it is black.
+    Picture(PictureTest<R>),
+}
+
+/// A picture in a surface: the place in [`StopPicture::cells`] of the point p is `axes` p + `offset`.
+#[derive(Clone, Debug)]
+pub struct PictureTest<R> {
+    /// The picture.
+    pub picture: Arc<StopPicture>,
+    /// The rows of the matrix from x and y, mm, to column and row.
+    pub axes: [[R; 2]; 2],
+    /// Column and row of the axis.
+    pub offset: [R; 2],
 }
 
 /// An inequality for the points inside a convex outline.
@@ -94,6 +110,19 @@ impl<R: Real> ApertureTest<R> {
                 let edges = placed.iter().zip(next).filter(|(from, to)| from[1] != to[1]);
                 OutlineTest::Polygon(edges.map(|(from, to)| Edge::between(*from, *to)).collect())
             }
+            Outline::Picture(picture) => {
+                let (sine, cosine) = aperture.rotation.to_radians().sin_cos();
+                let [[right, column], [up, row]] = picture.to_place();
+                let axes = [[right * cosine, right * sine], [-up * sine, up * cosine]];
+                let [cx, cy] = aperture.center;
+                let offset =
+                    [column - axes[0][0] * cx - axes[0][1] * cy, row - axes[1][0] * cx - axes[1][1] * cy];
+                OutlineTest::Picture(PictureTest {
+                    picture: Arc::clone(picture),
+                    axes: axes.map(|row| row.map(|part| R::from_f64(part / semi_diameter))),
+                    offset: offset.map(R::from_f64),
+                })
+            }
         };
         Self { outline, is_obstruction: aperture.is_obstruction }
     }
@@ -101,6 +130,14 @@ impl<R: Real> ApertureTest<R> {
     /// Returns whether the aperture passes a point of the surface, mm. An aperture blocks NaN.
     pub fn passes(&self, point: [R; 2]) -> bool {
         self.outline.contains(point) != self.is_obstruction
+    }
+
+    /// Returns the transmission at a point of the surface, mm, that the aperture passes: 1 except for a picture.
+    pub fn transmission(&self, point: [R; 2]) -> f64 {
+        match &self.outline {
+            OutlineTest::Picture(test) => test.transmission(point),
+            OutlineTest::Convex(_) | OutlineTest::Polygon(_) => 1.0,
+        }
     }
 
     /// Returns the same test in numbers of another type.
@@ -127,6 +164,13 @@ impl<R: Real> ApertureTest<R> {
                     })
                     .collect(),
             ),
+            OutlineTest::Picture(PictureTest { picture, axes, offset }) => {
+                OutlineTest::Picture(PictureTest {
+                    picture: Arc::clone(picture),
+                    axes: axes.map(|row| row.map(round)),
+                    offset: offset.map(round),
+                })
+            }
         };
         ApertureTest { outline, is_obstruction: self.is_obstruction }
     }
@@ -150,7 +194,16 @@ impl<R: Real> OutlineTest<R> {
                 };
                 edges.iter().filter(crosses).count() % 2 == 1
             }
+            Self::Picture(test) => test.transmission([x, y]) > 0.0,
         }
+    }
+}
+
+impl<R: Real> PictureTest<R> {
+    /// Returns the transmission at a point, mm.
+    pub fn transmission(&self, [x, y]: [R; 2]) -> f64 {
+        let place = |axis: usize| self.axes[axis][0] * x + self.axes[axis][1] * y + self.offset[axis];
+        self.picture.at([0, 1].map(|axis| place(axis).to_f64()))
     }
 }
 

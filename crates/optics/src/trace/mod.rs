@@ -26,7 +26,7 @@ mod aspheric;
 mod path;
 mod surface;
 
-pub use aperture::{ApertureTest, ConvexTest, Edge, OutlineTest};
+pub use aperture::{ApertureTest, ConvexTest, Edge, OutlineTest, PictureTest};
 pub use aspheric::{Aspheric, BendBound};
 pub use path::{Direction, FoldedPaths, Meeting, Path, StepKind, Walk};
 pub use surface::PathSurface;

@@ -86,6 +86,8 @@ pub struct Meeting {
     pub normal: [f64; 3],
     /// Distance from the previous meeting, mm; 0 at the first.
     pub distance: f64,
+    /// The transmission of a picture in the surface at the point; 1 without a picture.
+    pub transmission: f64,
 }
 
 /// A description of one step of a path.
@@ -491,9 +493,11 @@ impl<R: Real> Path<R> {
             };
             let distance = last.map_or(0.0, from);
             last = Some([x, y, if step.is_mirror { -z } else { z }]);
+            let point = [state.p[0], state.p[1]];
+            let transmission = step.apertures.iter().map(|aperture| aperture.transmission(point)).product();
             let PathSurface { along, n_behind, is_mirror, .. } = *step;
             let (n, v) = (step.n.to_f64(), state.v.map(R::to_f64));
-            met(Meeting { along, n, n_behind, is_mirror, point: [x, y], v, normal, distance });
+            met(Meeting { along, n, n_behind, is_mirror, point: [x, y], v, normal, distance, transmission });
         });
         if let Some(reason) = blocked {
             return Err(reason);

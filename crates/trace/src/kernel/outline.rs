@@ -1,11 +1,13 @@
-//! The tests of rays in lanes against shaped apertures and obstructions, with the constants of [`ApertureTest`].
+//! The tests of rays in lanes against shaped apertures and obstructions, with the constants of [`ApertureTest`], and
+//! the transmission of a picture.
 
 use realistic_base::numeric::Real;
-use realistic_optics::trace::{ApertureTest, ConvexTest, Edge, OutlineTest};
-use realistic_simd::{Cpu, Lanes};
+use realistic_optics::trace::{ApertureTest, ConvexTest, Edge, OutlineTest, PictureTest};
+use realistic_simd::{Cpu, Lanes, Scalar};
 
 /// Returns the two sides of an aperture's inequality: the aperture passes a point if the first is at most the second.
-/// The points, x and y in mm, were multiplied by `w`, positive, so that they need no division.
+/// The second is the transmission, if the aperture is a picture. The points, x and y in mm, were multiplied by `w`,
+/// positive, so that shapes need no division.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub fn sides<L: Lanes>(cpu: Cpu<L>, test: &ApertureTest<L::Scalar>, point: [L; 2], w: L) -> (L, L) {
     match &test.outline {
@@ -16,7 +18,32 @@ pub fn sides<L: Lanes>(cpu: Cpu<L>, test: &ApertureTest<L::Scalar>, point: [L; 2
         OutlineTest::Polygon(edges) => {
             (side(cpu, edges, test.is_obstruction, point, w), L::splat(cpu, L::Scalar::ONE))
         }
+        OutlineTest::Picture(picture) => {
+            (L::splat(cpu, L::Scalar::LEAST), transmission(cpu, picture, point, w))
+        }
     }
+}
+
+/// Returns the transmission of a picture, interpolated between the centres of its pixels.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn transmission<L: Lanes>(cpu: Cpu<L>, test: &PictureTest<L::Scalar>, [x, y]: [L; 2], w: L) -> L {
+    let number = |number: usize| L::splat(cpu, L::Scalar::from_f64(number as f64));
+    let (zero, one) = (number(0), number(1));
+    let per_w = one / w;
+    let [x, y] = [x * per_w, y * per_w];
+    let mut place = [zero; 2];
+    for axis in 0..2 {
+        let ([of_x, of_y], offset) = (test.axes[axis], L::splat(cpu, test.offset[axis]));
+        let at = y.mul_add(L::splat(cpu, of_y), x.mul_add(L::splat(cpu, of_x), offset));
+        // A place outside the grid, or NaN, moves to the grid's frame of zeros.
+        place[axis] = at.larger(zero).smaller(number(test.picture.last()[axis]));
+    }
+    let [column, row] = [place[0].trunc(), place[1].trunc()];
+    let [right, down] = [place[0] - column, place[1] - row];
+    let cell = row.mul_add(number(test.picture.stride()), column).whole();
+    let [[a, b, c, d]] = L::look_up::<1, 1>(test.picture.cells(), cell, [0]);
+    let [upper, lower] = [right.mul_add(c - a, a), right.mul_add(d - b, b)];
+    down.mul_add(lower - upper, upper)
 }
 
 /// Returns the two sides of the inequality of a [`ConvexTest`].

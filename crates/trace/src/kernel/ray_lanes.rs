@@ -19,6 +19,7 @@ use super::{
     table::{ClearTest, Link, Mirror, Plane, ShapedAperture, Sphere, Step, Stop, Table},
 };
 use realistic_base::numeric::Real;
+use realistic_optics::trace::OutlineTest;
 use realistic_simd::{Cpu, Lanes, Scalar};
 
 /// Rays ready for the first surface, in the frame of its vertex.
@@ -535,13 +536,18 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
 
 impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
     /// Tests a shaped aperture at P = z (Vx, Vy)/Vz + (x, y), multiplied by Vz, with z the distance along the axis to
-    /// the plane of the test. The test neither moves the rays nor divides.
+    /// the plane of the test. The test does not move the rays. Returns the transmission of a picture, and `None` for
+    /// another aperture.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn aperture(&mut self, cpu: Cpu<L>, aperture: &ShapedAperture<L::Scalar>) {
+    pub fn aperture(&mut self, cpu: Cpu<L>, aperture: &ShapedAperture<L::Scalar>) -> Option<L> {
         let ahead = self.minus_z(cpu, &aperture.transfer);
         let x = ahead.mul_add(self.vx, self.x * self.vz);
         let y = ahead.mul_add(self.vy, self.y * self.vz);
         let (power, limit) = outline::sides(cpu, &aperture.test, [x, y], self.vz);
         self.meet_aperture(cpu, power, limit);
+        match aperture.test.outline {
+            OutlineTest::Picture(_) => Some(limit),
+            OutlineTest::Convex(_) | OutlineTest::Polygon(_) => None,
+        }
     }
 }

@@ -85,7 +85,7 @@ pub struct Stop<S> {
     pub aperture: S,
 }
 
-/// A shaped aperture or obstruction, which only tests rays.
+/// A shaped aperture or obstruction, or a picture.
 #[derive(Clone, Debug)]
 pub struct ShapedAperture<S> {
     /// Transfer to the plane in which rays are tested. Rays that are already on the surface are tested there.
@@ -129,7 +129,8 @@ pub enum Step<S> {
     Plane(Plane<S>),
     /// A round stop, which only tests rays.
     Stop(Stop<S>),
-    /// An aperture or obstruction inside the clear aperture of a surface, which only tests rays.
+    /// An aperture or obstruction inside the clear aperture of a surface, which tests rays and, if it is a picture, dims
+    /// their light.
     Aperture(Box<ShapedAperture<S>>),
     /// A conic section of revolution.
     Conic(Conic<S>),

@@ -1,0 +1,140 @@
+//! A grey picture as the transmission of a stop.
+//!
+//! The picture is centred on the axis, and its width is the clear diameter of the stop. Between the centres of pixels
+//! the transmission is interpolated linearly in both directions; outside the picture it is 0.
+
+use std::fmt;
+
+/// The transmission of a stop, from a picture.
+#[derive(Clone, PartialEq)]
+pub struct StopPicture {
+    /// Width and height, pixels.
+    size: [usize; 2],
+    /// For each point of the grid the transmission there and one row below, so that two neighbouring entries are the
+    /// four corners of a cell. The points are the centres of the pixels and a frame of zeros around them, row by row
+    /// from the top.
+    cells: Box<[[f32; 2]]>,
+}
+
+/// Maximum width and height of a picture, pixels. Single precision counts the points of such a grid exactly.
+pub const MAX_PICTURE_SIDE: usize = 1024;
+
+impl StopPicture {
+    /// Builds a picture from the transmission of its pixels, row by row from the top.
+    ///
+    /// # Panics
+    /// Panics if the number of values is not that of the pixels, a side is 0, or a side exceeds [`MAX_PICTURE_SIDE`].
+    pub fn new([width, height]: [usize; 2], values: &[f32]) -> Self {
+        assert!(values.len() == width * height && !values.is_empty(), "a value for each pixel");
+        assert!(
+            width.max(height) <= MAX_PICTURE_SIDE,
+            "a picture of at most {MAX_PICTURE_SIDE} pixels a side"
+        );
+        let stride = width + 2;
+        let mut points = vec![0.0; stride * (height + 2)];
+        for (row, values) in (1..).zip(values.chunks_exact(width)) {
+            points[row * stride + 1..][..width].copy_from_slice(values);
+        }
+        let below = points.iter().skip(stride).chain(std::iter::repeat(&0.0));
+        let mut cells: Vec<[f32; 2]> = points.iter().zip(below).map(|(own, below)| [*own, *below]).collect();
+        // The last point is the corner of a cell, too.
+        cells.push([0.0; 2]);
+        Self { size: [width, height], cells: cells.into() }
+    }
+
+    /// Returns width and height, pixels.
+    pub fn size(&self) -> [usize; 2] {
+        self.size
+    }
+
+    /// Returns the number of points in a row of [`StopPicture::cells`].
+    pub fn stride(&self) -> usize {
+        self.size[0] + 2
+    }
+
+    /// Returns the index of the last column and of the last row of points.
+    pub fn last(&self) -> [usize; 2] {
+        self.size.map(|side| side + 1)
+    }
+
+    /// Returns the transmission at each point of the grid, with that one row below.
+    pub fn cells(&self) -> &[[f32; 2]] {
+        &self.cells
+    }
+
+    /// Returns the transmission at a place of the grid, counted in points from the upper left one; 0 outside the grid
+    /// and for NaN.
+    pub fn at(&self, place: [f64; 2]) -> f64 {
+        let last = self.last().map(|last| last as f64);
+        if !(0..2).all(|axis| (0.0..=last[axis]).contains(&place[axis])) {
+            return 0.0;
+        }
+        let [column, row] = place.map(|at| at as usize);
+        let [right, down] = [place[0] - column as f64, place[1] - row as f64];
+        let first = row * self.stride() + column;
+        let [[a, b], [c, d]] = [first, first + 1].map(|i| self.cells[i].map(f64::from));
+        (a * (1.0 - right) + c * right) * (1.0 - down) + (b * (1.0 - right) + d * right) * down
+    }
+
+    /// Returns the factors and constants from x and y, in units of the clear semi-diameter, to a place of the grid.
+    pub fn to_place(&self) -> [[f64; 2]; 2] {
+        let [width, height] = self.size.map(|side| side as f64);
+        // The centre of the first pixel has the number 1.
+        [[0.5 * width, 0.5 * width + 0.5], [-0.5 * width, 0.5 * height + 0.5]]
+    }
+
+    /// Returns the mean transmission over the disk of the stop.
+    pub fn mean(&self) -> f64 {
+        const SIDE: u32 = 1024;
+        let at = |i: u32| (f64::from(i) + 0.5) * (2.0 / f64::from(SIDE)) - 1.0;
+        let [to_column, to_row] = self.to_place();
+        let (mut sum, mut count) = (0.0, 0_u32);
+        for (x, y) in (0..SIDE).flat_map(|i| (0..SIDE).map(move |j| (at(i), at(j)))) {
+            if x * x + y * y <= 1.0 {
+                sum += self.at([to_column[0] * x + to_column[1], to_row[0] * y + to_row[1]]);
+                count += 1;
+            }
+        }
+        sum / f64::from(count)
+    }
+
+    /// Returns the picture with every transmission multiplied by a factor.
+    #[must_use]
+    pub fn times(&self, factor: f64) -> Self {
+        let scaled = |cell: &[f32; 2]| cell.map(|own| (f64::from(own) * factor) as f32);
+        Self { size: self.size, cells: self.cells.iter().map(scaled).collect() }
+    }
+}
+
+impl fmt::Debug for StopPicture {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("StopPicture").field("size", &self.size).finish_non_exhaustive()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pixels_lie_over_the_stop_and_add_up_to_their_mean() {
+        // Two by one pixels: the upper half of the stop's square ends at half the stop's radius.
+        let picture = StopPicture::new([2, 1], &[1.0, 0.25]);
+        let [to_column, to_row] = picture.to_place();
+        let at = |x: f64, y: f64| picture.at([to_column[0] * x + to_column[1], to_row[0] * y + to_row[1]]);
+        assert_eq!([at(-0.5, 0.0), at(0.5, 0.0), at(0.0, 0.0)], [1.0, 0.25, 0.625]);
+        // Half of a pixel's height up, half of the light is left, and none where the next row would be.
+        assert_eq!([at(-0.5, 0.5), at(-0.5, -0.5), at(-0.5, 1.0), at(-0.5, 1.2)], [0.5, 0.5, 0.0, 0.0]);
+        assert_eq!([at(f64::NAN, 0.0), at(9.0, 0.0)], [0.0; 2]);
+        let square = StopPicture::new([3, 3], &[0.5; 9]);
+        // At the edge of the stop, half the outer pixels' light is left.
+        assert!((square.mean() - 0.5).abs() < 0.02 && (square.times(2.0).mean() - 1.0).abs() < 0.04);
+    }
+
+    #[test]
+    fn rows_begin_at_the_top() {
+        let picture = StopPicture::new([1, 2], &[1.0, 0.5]);
+        let [_, to_row] = picture.to_place();
+        assert_eq!([1.0, -1.0].map(|y| picture.at([1.0, to_row[0] * y + to_row[1]])), [1.0, 0.5]);
+    }
+}
