@@ -82,8 +82,8 @@ fn no_light_is_lost_or_made_at_any_azimuth() {
         for azimuth in 0..12_u8 {
             let (sine, cosine) = (TAU * f64::from(azimuth) / 12.0).sin_cos();
             let image = [200.0 + 110.0 * cosine, 150.0 + 110.0 * sine].map(|part| part as f32);
-            let is_inside = |point: [f64; 2]| test(point.map(|part| part * semi_diameter));
-            let [expected, error] = light::through_stop(&round, is_inside, image, 7 + u64::from(azimuth));
+            let passed = |point: [f64; 2]| f64::from(u8::from(test(point.map(|part| part * semi_diameter))));
+            let [expected, error] = light::through_stop(&round, passed, image, 7 + u64::from(azimuth));
             for (pupil, camera) in &cameras {
                 let [found, own_error] = light::of_camera(camera, image, 91 + u64::from(azimuth));
                 let off = (found - expected) / error.hypot(own_error);

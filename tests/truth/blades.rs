@@ -66,8 +66,12 @@ fn blades_give_the_right_light_at_every_azimuth() {
             .into_iter()
             .enumerate()
         {
-            let [expected, error] =
-                light::through_stop(&round, |point| is_inside(blades, point), image, 7 + i as u64);
+            let [expected, error] = light::through_stop(
+                &round,
+                |point| f64::from(u8::from(is_inside(blades, point))),
+                image,
+                7 + i as u64,
+            );
             for (pupil, camera) in &cameras {
                 let [found, own_error] = light::of_camera(camera, image, 91 + i as u64);
                 let off = (found - expected) / error.hypot(own_error);

@@ -31,6 +31,7 @@ mod pupil_everywhere;
 mod pupil_fit;
 mod refocus;
 mod stock_cameras;
+mod stop_picture;
 mod support;
 mod tables;
 mod warped_pupil;

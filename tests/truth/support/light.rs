@@ -21,10 +21,10 @@ fn to_stop(lens: &Lens) -> Path {
 }
 
 /// Returns the mean weight over the rear element's disk, with its standard error, of the rays that pass both the round
-/// lens and `is_inside`. That function gets the point in the stop, in clear semi-diameters.
+/// lens and `transmission`. That function gets the point in the stop, in clear semi-diameters.
 pub fn through_stop(
     round: &Camera,
-    is_inside: impl Fn([f64; 2]) -> bool,
+    transmission: impl Fn([f64; 2]) -> f64,
     image: [f32; 2],
     seed: u64,
 ) -> [f64; 2] {
@@ -43,13 +43,13 @@ pub fn through_stop(
         let direction = [px - x, py - y, distance];
         let ray = Ray { origin: [x, y, film], direction };
         let from_stop = Ray { origin: [x, y, film - stop.vertex], direction };
-        let passes = path.trace(ray).is_ok()
-            && to_stop.trace(from_stop).is_ok_and(|at| {
-                is_inside([at.origin[0] / stop.semi_diameter, at.origin[1] / stop.semi_diameter])
-            });
+        let passed = match (path.trace(ray), to_stop.trace(from_stop)) {
+            (Ok(_), Ok(at)) => transmission([0, 1].map(|axis| at.origin[axis] / stop.semi_diameter)),
+            _ => 0.0,
+        };
         let cosine = distance / direction.iter().map(|d| d * d).sum::<f64>().sqrt();
         let area = std::f64::consts::PI * radius * radius;
-        if passes { area * cosine.powi(4) / (distance * distance) } else { 0.0 }
+        passed * area * cosine.powi(4) / (distance * distance)
     })
 }
 
