@@ -77,8 +77,7 @@ enum realistic_status
     REALISTIC_STATUS_LENS_FILE = 4,
     // The lens cannot be focused at the requested distance.
     REALISTIC_STATUS_UNREACHABLE_FOCUS = 5,
-    // Reserved, and not returned by this version. A file other than the lens description cannot be read or
-    // written.
+    // A file other than the lens description cannot be read: the picture of `stop_picture`.
     REALISTIC_STATUS_IO = 6,
     // A panic was caught, which is a defect of this library.
     REALISTIC_STATUS_PANIC = 7,
@@ -257,6 +256,12 @@ typedef struct realistic_options {
     // Parameter `blade_curvature`: curvature of the blades' edges relative to that of the circle: 0 is
     // straight, 1 the circle: 0 or more, up to 1; default the lens file's, or 0.
     double blade_curvature;
+    // Parameter `stop_picture`: PNG or EXR picture of the stop's transmission, centred on the axis and as wide
+    // as the stop; 8-bit values are sRGB, all others linear.
+    const char *stop_picture;
+    // Parameter `stop_picture_gain`: whether the picture's mean transmission over the stop is scaled to 1;
+    // default false.
+    int32_t stop_picture_gain;
     // Parameter `film_diagonal`: diagonal of the film: positive, in mm; default 35.
     double film_diagonal;
     // Parameter `film_shift_x`: shift of the film from the axis toward image right; the picture shows more of
@@ -615,9 +620,8 @@ typedef double (*realistic_contrast)(void *user,
                                      const struct realistic_camera *camera,
                                      const struct realistic_zone *zone);
 
-// First-order data of a lens (M. Born and E. Wolf, *Principles of Optics*, chapter 4). The lens is in air,
-// so its nodal points coincide with its principal points. z is a coordinate in lens space, mm; it is
-// infinite for a point at infinity. `realistic_lens_get_info` fills this structure.
+// First-order data of a lens (M. Born and E. Wolf, *Principles of Optics*, chapter 4). z is a coordinate in
+// lens space, mm; it is infinite for a point at infinity. `realistic_lens_get_info` fills this structure.
 typedef struct realistic_lens_info {
     // `sizeof(realistic_lens_info)`.
     uint32_t struct_size;
@@ -630,7 +634,8 @@ typedef struct realistic_lens_info {
     int32_t limiting;
     // Wavelength, nm.
     double wavelength;
-    // Effective focal length, mm; negative for a diverging lens, infinite for an afocal one.
+    // Effective focal length 1/φ, mm; negative for a diverging lens, infinite for an afocal one. The focal
+    // lengths n/φ and n'/φ on both sides are this times `index_scene` and `index_film`.
     double focal_length_mm;
     // Absolute focal length divided by the diameter of the beam of exact rays from a distant point on the
     // axis; infinite for an afocal lens, or if no ray parallel to the axis passes.
@@ -668,6 +673,15 @@ typedef struct realistic_lens_info {
     // f-number by first-order optics alone: the absolute focal length divided by the diameter of the
     // smallest image of any aperture, formed by the surfaces in front of that aperture.
     double fnumber_paraxial;
+    // Refractive index in front of the lens; 1 in air.
+    double index_scene;
+    // Refractive index behind the lens, where the film is; 1 in air.
+    double index_film;
+    // z of the scene-side nodal point: a ray toward it leaves the lens from the other one in the same
+    // direction. Nodal points are the principal points if both indices are equal, and NaN for an afocal lens.
+    double front_nodal_point_mm;
+    // z of the film-side nodal point.
+    double rear_nodal_point_mm;
 } realistic_lens_info;
 
 // One surface of a lens. `realistic_lens_get_surface` fills this structure.

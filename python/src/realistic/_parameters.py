@@ -48,6 +48,11 @@ class Parameters(TypedDict, total=False):
     blade_curvature: float | None
     """Curvature of the blades' edges relative to that of the circle: 0 is straight, 1 the circle: 0 or more, up to
     1; default the lens file's, or 0."""
+    stop_picture: str | os.PathLike[str] | None
+    """PNG or EXR picture of the stop's transmission, centred on the axis and as wide as the stop; 8-bit values are
+    sRGB, all others linear."""
+    stop_picture_gain: bool | None
+    """Whether the picture's mean transmission over the stop is scaled to 1; default false."""
     film_diagonal: float | None
     """Diagonal of the film: positive, in mm; default 35."""
     film_shift_x: float | None
@@ -157,6 +162,8 @@ MEMBERS: list[tuple[str, Any]] = [
     ("blades", c_double),
     ("blade_rotation", c_double),
     ("blade_curvature", c_double),
+    ("stop_picture", c_char_p),
+    ("stop_picture_gain", c_int32),
     ("film_diagonal", c_double),
     ("film_shift_x", c_double),
     ("film_shift_y", c_double),
