@@ -46,12 +46,6 @@ impl<L: Lanes<Scalar = f32>> LaneLight<L> {
         self.exponent = distance.mul_add(coefficient, self.exponent);
     }
 
-    /// Multiplies the light by a transmission that is the same for every polarisation.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn dim(&mut self, transmission: L) {
-        self.stokes = self.stokes.map(|part| part * transmission);
-    }
-
     /// Applies the effect of a surface. The normal in `crossing` is a unit vector; `index` is n before the surface.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn cross(&mut self, cpu: Cpu<L>, crossing: &Crossing<L>, index: L, [m, d, re, im]: ShareLanes<L>) {

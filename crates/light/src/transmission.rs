@@ -61,14 +61,13 @@ const GOAL: f64 = 5e-5;
 
 impl Transmission<Own> {
     /// Adds light to the steps of a lens that is traced in `direction` at the lens's own wavelength. `coatings` are
-    /// listed from the scene on; without them surfaces and media lose no light, and only a picture in the stop does.
+    /// listed from the scene on.
     pub fn steps<S: KernelScalar>(
         steps: &LensSteps<S, Own>,
         lens: &Lens,
         direction: Direction,
-        coatings: Option<&[SurfaceCoating]>,
+        coatings: &[SurfaceCoating],
     ) -> LensSteps<S, Self> {
-        let Some(coatings) = coatings else { return Self::lossless(steps.clone(), lens, direction) };
         let is_coated = |(surface, coating): (&Surface, &SurfaceCoating)| {
             !coating.layers([surface.n_scene, surface.n_film]).is_empty()
         };
@@ -103,27 +102,15 @@ impl Transmission<Own> {
 }
 
 impl<C> Transmission<C> {
-    /// Adds light to the steps of a lens whose surfaces and media lose none.
-    fn lossless<S: KernelScalar>(
-        steps: LensSteps<S, C>,
-        lens: &Lens,
-        direction: Direction,
-    ) -> LensSteps<S, Self> {
-        let lit = lit_steps(&steps.table, lens, direction, |_, _| None, |_| Absorption::None);
-        let curves = AbsorptionCurves::new(&Absorbers::default(), [0.0; 2]);
-        Self::added(steps, lit, Vec::new(), lens.wavelength, curves)
-    }
-
     /// Adds light to the steps of a lens that is traced from the film, for rays that each have their own wavelength,
-    /// nm, within `range`. Without `coatings`, only a picture in the stop loses light.
+    /// nm, within `range`.
     pub fn steps_at_wavelengths<S: KernelScalar>(
         steps: LensSteps<S, C>,
         lens: &Lens,
-        coatings: Option<&[SurfaceCoating]>,
+        coatings: &[SurfaceCoating],
         absorbers: &Absorbers,
         range: [f64; 2],
     ) -> LensSteps<S, Self> {
-        let Some(coatings) = coatings else { return Self::lossless(steps, lens, Direction::FilmToScene) };
         let mut surfaces = Vec::new();
         // Media with the same index at the lens's own wavelength may have different indices at other wavelengths.
         let index_of = |surface: usize, media| {
@@ -273,11 +260,6 @@ impl<S: KernelScalar, C: Carried<S>> Carried<S> for Transmission<C> {
             };
             light.cross(single, &crossing, indices[0], share);
         }
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn dim<L: Lanes<Scalar = S>>(&self, _: Cpu<L>, state: &mut Self::State<L>, transmission: L) {
-        state.light.dim(transmission.single());
     }
 
     #[inline(always)]

@@ -7,6 +7,7 @@ use realistic_light::Transmission;
 use realistic_optics::{
     imaging::axial_beam::AxialBeam,
     lens::{Lens, Ray, pupil::EntrancePupil, refraction::Refraction},
+    prescription::SurfaceCoating,
     trace::{Direction, Path},
 };
 use realistic_simd::Available;
@@ -21,7 +22,8 @@ const BEHIND: f64 = 0.05;
 /// semi-diameter. The move is needed because a camera's own rays begin on the surface, up to rounding.
 const BACK: f64 = 1e-4;
 
-/// A kernel from scene to film; its rays carry their transmitted light if weights include it.
+/// A kernel from scene to film; its rays carry their transmitted light if weights include the lens's
+/// transmission.
 #[derive(Clone, Debug)]
 enum LightKernel {
     Clear(Kernel<f64>),
@@ -29,13 +31,14 @@ enum LightKernel {
 }
 
 impl LightKernel {
-    fn new(kernel: Kernel<f64>, lens: &Lens, body: &CameraBody) -> Self {
-        if !body.carries_light(lens) {
-            return Self::Clear(kernel);
+    fn new(kernel: Kernel<f64>, lens: &Lens, coatings: Option<&[SurfaceCoating]>) -> Self {
+        match coatings {
+            None => Self::Clear(kernel),
+            Some(coatings) => {
+                let lit = Transmission::steps(kernel.steps(), lens, Direction::SceneToFilm, coatings);
+                Self::Lit(lit, kernel.available())
+            }
         }
-        let coatings = body.coatings.as_deref();
-        let lit = Transmission::steps(kernel.steps(), lens, Direction::SceneToFilm, coatings);
-        Self::Lit(lit, kernel.available())
     }
 
     /// Traces rays in place. The weight of each becomes the share of light that the lens transmits, 0 for a
@@ -49,7 +52,7 @@ impl LightKernel {
 }
 
 fn light_in_place(optics: &impl Optics<f64>, simd: Available, rays: &mut LensRays<'_, f64>) {
-    let mut rays = Arrays { optics, from: None, to: rays, weights_are_light: true };
+    let mut rays = Arrays { optics, from: None, to: rays };
     in_vectors(simd, Grouping::Wide, &mut rays);
 }
 
@@ -80,7 +83,7 @@ impl AdjointLens {
         Self {
             front: Front::of(lens),
             film,
-            kernel: LightKernel::new(kernel, lens, body),
+            kernel: LightKernel::new(kernel, lens, body.coatings.as_deref()),
             whole,
             pupil,
             reference: pupil

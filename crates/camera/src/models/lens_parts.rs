@@ -225,7 +225,7 @@ pub(super) fn plan_and_compile(
         precision: setup.precision,
         tolerance: setup.tolerance,
         leave_out: setup.leave_out,
-        carries_light: body.carries_light(lens),
+        carries_light: body.coatings.is_some(),
     };
     let decision = Decision::of(&task, &mut plan);
     for warning in &decision.warnings {

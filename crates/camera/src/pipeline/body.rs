@@ -10,7 +10,7 @@ use crate::{
     sampling::{DiskMapping, film_rays::FilmRays},
 };
 use realistic_optics::{
-    lens::{Lens, cos4, film_ray},
+    lens::{cos4, film_ray},
     prescription::SurfaceCoating,
     trace::{Blocked, Ray},
 };
@@ -33,12 +33,6 @@ impl CameraBody {
     /// Returns the sampling of the film in the precision `S`.
     pub fn film_sampling<S: KernelScalar>(&self) -> FilmSampling<S> {
         FilmSampling::new(&self.film_side)
-    }
-
-    /// Whether the rays of the camera's lens carry a share of their light: with coatings, and with a picture in
-    /// the stop.
-    pub fn carries_light(&self, lens: &Lens) -> bool {
-        self.coatings.is_some() || lens.has_picture()
     }
 
     /// Whether a film ray lacks a point of the unit disk because the mapping requests another lens sample.
@@ -108,12 +102,12 @@ impl<S: KernelScalar> LaneBody<S> {
     /// have a weight.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn weights<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, end: &End<L>, area_per_pi: L) -> (L, L::Mask) {
-        let End { passed, cos2, left, .. } = *end;
+        let End { passed, weight_root, left, .. } = *end;
         // This comparison is false for NaN.
         let passed = L::both(passed, area_per_pi.less_equal(area_per_pi));
         let weight = match self.weight {
             // The weight of a ray that passes must not underflow to 0, the weight of a blocked ray.
-            Some(weight) => ((cos2 * cos2) * ((area_per_pi * left) * L::splat(cpu, weight)))
+            Some(weight) => ((weight_root * weight_root) * ((area_per_pi * left) * L::splat(cpu, weight)))
                 .larger(L::splat(cpu, S::from_f64(f32::MIN_POSITIVE.into()))),
             None => L::splat(cpu, S::ONE),
         };

@@ -53,11 +53,13 @@ fn through<S: KernelScalar + Send + Sync>(
     body: &CameraBody,
 ) -> Arc<dyn LensTracer> {
     let (steps, simd) = (kernel.steps(), kernel.available());
-    if !body.carries_light(lens) {
-        return Arc::new(Pipeline::new(body.lane_body(), steps.clone(), simd));
+    match &body.coatings {
+        None => Arc::new(Pipeline::new(body.lane_body(), steps.clone(), simd)),
+        Some(coatings) => {
+            let lit = Transmission::steps(steps, lens, Direction::FilmToScene, coatings);
+            Arc::new(Pipeline::new(body.lane_body(), lit, simd))
+        }
     }
-    let lit = Transmission::steps(steps, lens, Direction::FilmToScene, body.coatings.as_deref());
-    Arc::new(Pipeline::new(body.lane_body(), lit, simd))
 }
 
 /// Returns the tracer that uses polynomials for rays from the film; points outside the range of the fit are

@@ -59,7 +59,7 @@ impl Optics<f32> for IdealLens {
             origin,
             direction: [sx * norm, sy * norm, norm],
             passed: one.less_equal(one),
-            cos2,
+            weight_root: cos2,
             left: one,
         };
         (end, ())

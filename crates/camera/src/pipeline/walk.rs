@@ -21,7 +21,7 @@ use realistic_optics::{
 pub struct WalkTracer<R> {
     film: FilmSampling<f64>,
     path: Path<R>,
-    /// The path with the light of the rays, if weights include it.
+    /// The path with the light of the rays, if surfaces or a picture in the stop dim it.
     lit: Option<LitPath>,
     body: CameraBody,
 }
@@ -34,7 +34,8 @@ impl<R: Real> WalkTracer<R> {
             None => Surfaces::lossless(lens),
         };
         let whole = || Path::film_to_scene(lens).with_apertures(lens);
-        let lit = body.carries_light(lens).then(|| LitPath::new(whole(), &surfaces()));
+        let carries_light = body.coatings.is_some() || lens.has_picture();
+        let lit = carries_light.then(|| LitPath::new(whole(), &surfaces()));
         Self { film: body.film_sampling(), path, lit, body: body.clone() }
     }
 

@@ -27,9 +27,6 @@ pub trait Carried<S: Scalar> {
     /// Takes the data of rays across the surface of the current step.
     #[inline(always)]
     fn cross<L: Lanes<Scalar = S>>(&self, _: Cpu<L>, _: usize, _: &mut Self::State<L>, _: &Crossing<L>) {}
-    /// Multiplies the light of rays by a transmission.
-    #[inline(always)]
-    fn dim<L: Lanes<Scalar = S>>(&self, _: Cpu<L>, _: &mut Self::State<L>, _: L) {}
     /// Returns n² before and behind the surface of the current step, and the wavelengths, nm, if each ray has its own
     /// wavelength.
     #[inline(always)]

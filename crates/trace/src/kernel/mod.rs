@@ -202,11 +202,7 @@ impl<S: KernelScalar> Kernel<S> {
 
     #[inline(always)]
     fn trace(&self, grouping: Grouping, from: Option<&PlaneRays<'_, S>>, to: &mut LensRays<'_, S>) {
-        S::trace(
-            self.simd,
-            grouping,
-            &mut Arrays { optics: &self.steps, from, to, weights_are_light: false },
-        );
+        S::trace(self.simd, grouping, &mut Arrays { optics: &self.steps, from, to });
     }
 
     /// Returns the reason why a ray is blocked, by the scalar walk. If the walk, in double precision, lets the ray

@@ -163,18 +163,12 @@ pub struct Approach {
 
 /// Writes rays behind a lens into arrays, starting at index `at`.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn store<S: Scalar, L: Lanes<Scalar = S>>(
-    rays: &mut LensRays<'_, S>,
-    cpu: Cpu<L>,
-    at: usize,
-    weights_are_light: bool,
-    end: End<L>,
-) {
+fn store<S: Scalar, L: Lanes<Scalar = S>>(rays: &mut LensRays<'_, S>, cpu: Cpu<L>, at: usize, end: End<L>) {
     for axis in 0..3 {
         end.origin[axis].or_zero(end.passed).store(&mut rays.origin[axis][at..]);
         end.direction[axis].or_zero(end.passed).store(&mut rays.direction[axis][at..]);
     }
-    let weight = if weights_are_light { end.left } else { end.cos2 * end.cos2 };
+    let weight = (end.weight_root * end.weight_root) * end.left;
     weight.larger(L::splat(cpu, L::Scalar::LEAST)).or_zero(end.passed).store(&mut rays.weight[at..]);
 }
 
@@ -207,8 +201,6 @@ pub struct Arrays<'a, 'b, 'c, S, O> {
     pub from: Option<&'a PlaneRays<'b, S>>,
     /// Rays behind the optics.
     pub to: &'a mut LensRays<'c, S>,
-    /// Whether weights are the shares of light that remain instead of cos⁴.
-    pub weights_are_light: bool,
 }
 
 impl<S: Scalar, O: Optics<S>> Arrays<'_, '_, '_, S, O> {
@@ -242,7 +234,7 @@ impl<S: Scalar, O: Optics<S>> Arrays<'_, '_, '_, S, O> {
         state: &O::State<L>,
     ) {
         let end = self.optics.leave(cpu, rays, state);
-        store(self.to, cpu, at, self.weights_are_light, end);
+        store(self.to, cpu, at, end);
     }
 }
 

@@ -101,8 +101,8 @@ pub struct End<L: Lanes> {
     pub direction: [L; 3],
     /// Lanes whose rays pass the optics.
     pub passed: L::Mask,
-    /// Squared cosine of the angle between ray and axis before the optics.
-    pub cos2: L,
+    /// Root of the rays' weight without `left`, as [`RayLanes::weight_root`].
+    pub weight_root: L,
     /// Remaining share of the light if rays carry light, else 1.
     pub left: L,
 }
@@ -120,8 +120,9 @@ pub struct RayLanes<L: Lanes, A = Blocking> {
     /// e' behind the last surface; behind a leading plane, the distance that the ray has come, in units of V.
     pub root: L,
     pub passed: L::Mask,
-    /// Squared cosine of the angle to the axis at the rays' start.
-    pub cos2: L,
+    /// Root of the rays' weight so far: the squared cosine of the angle to the axis for rays from a plane, 1 for rays
+    /// from anywhere, times the root of the transmission of a picture.
+    pub weight_root: L,
     /// Treatment of the rays at apertures.
     pub apertures: A,
 }
@@ -139,7 +140,7 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         media: impl Media<L>,
         start: Start<L>,
     ) -> (Self, Crossing<L>) {
-        let zero = L::splat(cpu, L::Scalar::ZERO);
+        let (zero, one) = (L::splat(cpu, L::Scalar::ZERO), L::splat(cpu, L::Scalar::ONE));
         match (step, start) {
             (Step::Sphere(sphere), Start::Flat { x, y, slopes, stretch, cos2, moved }) => {
                 let vz = cos2.sqrt();
@@ -155,7 +156,7 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
                 (ray, crossing)
             }
             (Step::Sphere(sphere), Start::Anywhere { x, y, minus_z, v, lead }) => {
-                let mut ray = Self::at(cpu, [x, y], v, v[2] * v[2]);
+                let mut ray = Self::at(cpu, [x, y], v, one);
                 if sphere.tests.forward {
                     ray.go_forward(cpu);
                 }
@@ -163,7 +164,7 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
                 (ray, crossing)
             }
             (Step::Plane(plane), Start::Anywhere { x, y, minus_z, v, lead }) => {
-                let mut ray = Self::at(cpu, [x, y], v, v[2] * v[2]);
+                let mut ray = Self::at(cpu, [x, y], v, one);
                 let crossing = ray.plane::<false>(cpu, plane, media, minus_z, Some(lead));
                 (ray, crossing)
             }
@@ -198,17 +199,17 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
                 (ray, L::splat(cpu, L::Scalar::ZERO), moved / vz)
             }
             Start::Anywhere { x, y, minus_z, v, lead } => {
-                (Self::at(cpu, [x, y], v, v[2] * v[2]), minus_z, lead)
+                (Self::at(cpu, [x, y], v, L::splat(cpu, L::Scalar::ONE)), minus_z, lead)
             }
         }
     }
 
     /// Builds rays at a point, none of which is blocked.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn at(cpu: Cpu<L>, [x, y]: [L; 2], [vx, vy, vz]: [L; 3], cos2: L) -> Self {
+    pub fn at(cpu: Cpu<L>, [x, y]: [L; 2], [vx, vy, vz]: [L; 3], weight_root: L) -> Self {
         let zero = L::splat(cpu, L::Scalar::ZERO);
         let (passed, apertures) = (zero.less_equal(zero), A::new(cpu));
-        Self { x, y, vx, vy, vz, height: zero, root: zero, passed, cos2, apertures }
+        Self { x, y, vx, vy, vz, height: zero, root: zero, passed, weight_root, apertures }
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -392,10 +393,12 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         let g = L::splat(cpu, sphere.minus_c).mul_add(across, L::splat(cpu, L::Scalar::ONE));
         let f = L::splat(cpu, sphere.half_c) * self.height_squared();
         let stretched = stretch.mul_add(f * L::splat(cpu, sphere.minus_2cn2), g * g);
-        let square = stretched * self.cos2;
-        let square_after = stretched.mul_add(self.cos2, media.index_step(cpu, sphere.index_step));
+        // Nothing has dimmed the rays before the first surface.
+        let cos2 = self.weight_root;
+        let square = stretched * cos2;
+        let square_after = stretched.mul_add(cos2, media.index_step(cpu, sphere.index_step));
         let [e, after] = L::sqrt_pair(stretched, square_after);
-        let strong = (g - e) * (self.cos2 * L::splat(cpu, sphere.per_cn2));
+        let strong = (g - e) * (cos2 * L::splat(cpu, sphere.per_cn2));
         let z = if sphere.strong { strong } else { L::select(zero.less(g), (f + f) / (g + e), strong) };
         self.x = z.mul_add(sx, self.x);
         self.y = z.mul_add(sy, self.y);
@@ -528,7 +531,7 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
             origin: [self.x, self.y, z],
             direction: [self.vx * factor, self.vy * factor, self.vz * along],
             passed: L::both(self.passed, is_unit),
-            cos2: self.cos2,
+            weight_root: self.weight_root,
             left,
         }
     }
@@ -536,18 +539,16 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
 
 impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
     /// Tests a shaped aperture at P = z (Vx, Vy)/Vz + (x, y), multiplied by Vz, with z the distance along the axis to
-    /// the plane of the test. The test does not move the rays. Returns the transmission of a picture, and `None` for
-    /// another aperture.
+    /// the plane of the test. The test does not move the rays. A picture dims them.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn aperture(&mut self, cpu: Cpu<L>, aperture: &ShapedAperture<L::Scalar>) -> Option<L> {
+    pub fn aperture(&mut self, cpu: Cpu<L>, aperture: &ShapedAperture<L::Scalar>) {
         let ahead = self.minus_z(cpu, &aperture.transfer);
         let x = ahead.mul_add(self.vx, self.x * self.vz);
         let y = ahead.mul_add(self.vy, self.y * self.vz);
         let (power, limit) = outline::sides(cpu, &aperture.test, [x, y], self.vz);
         self.meet_aperture(cpu, power, limit);
-        match aperture.test.outline {
-            OutlineTest::Picture(_) => Some(limit),
-            OutlineTest::Convex(_) | OutlineTest::Polygon(_) => None,
+        if let OutlineTest::Picture(_) = aperture.test.outline {
+            self.weight_root = self.weight_root * limit.sqrt();
         }
     }
 }

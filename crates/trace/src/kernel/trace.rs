@@ -110,10 +110,8 @@ fn trace_steps<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>, const U: usize>
                 }
             }
             Step::Aperture(aperture) => {
-                for (ray, state) in rays.iter_mut().zip(states) {
-                    if let Some(transmission) = ray.aperture(cpu, aperture) {
-                        carried.dim(cpu, state, transmission);
-                    }
+                for ray in rays {
+                    ray.aperture(cpu, aperture);
                 }
             }
             Step::Sphere(sphere) => {

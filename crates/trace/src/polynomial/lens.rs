@@ -12,7 +12,7 @@ use crate::kernel::{
     Approach, Arrays, End, Grouping, KernelScalar, LensRays, Optics, PlaneRays, Profile, Start, Traced,
     in_vectors, sides, trace_array,
 };
-use realistic_optics::trace::{ApertureTest, Aspheric};
+use realistic_optics::trace::{ApertureTest, Aspheric, OutlineTest};
 use realistic_simd::{Available, Cpu, Lanes};
 
 /// A lens as polynomials. It traces rays as a [`Kernel`](crate::kernel::Kernel) does, one or many with the same bits.
@@ -75,11 +75,7 @@ impl<S: KernelScalar> PolynomialLens<S> {
     #[inline]
     pub fn trace_one(&self, point: [S; 2], slopes: [S; 2]) -> Option<Traced<S>> {
         let [traced] = trace_array(self.film, [point], [slopes], |from, to| {
-            in_vectors(
-                self.simd,
-                Grouping::One,
-                &mut Arrays { optics: self, from: Some(from), to, weights_are_light: false },
-            );
+            in_vectors(self.simd, Grouping::One, &mut Arrays { optics: self, from: Some(from), to });
         });
         traced
     }
@@ -93,11 +89,7 @@ impl<S: KernelScalar> PolynomialLens<S> {
         let from = &PlaneRays { plane: self.film, ..*from };
         let n = from.checked_len();
         assert_eq!(n, to.checked_len(), "a batch needs as much room as it has rays");
-        in_vectors(
-            self.simd,
-            Grouping::Wide,
-            &mut Arrays { optics: self, from: Some(from), to, weights_are_light: false },
-        );
+        in_vectors(self.simd, Grouping::Wide, &mut Arrays { optics: self, from: Some(from), to });
     }
 
     /// Returns the proof that the processor has the instructions in use.
@@ -116,6 +108,7 @@ impl<S: KernelScalar> PolynomialLens<S> {
         let (qx, qy) = (d.mul_add(px, c * x), d.mul_add(py, c * y));
         let height = oy.mul_add(oy, ox * ox);
         let mut passed = height.less_equal(L::splat(cpu, self.aperture));
+        let mut weight_root = cos2;
         for FittedAperture { terms, shapes } in &self.apertures {
             let [[e, f]] = sum(cpu, terms, self.degree, &[[u, v, w]]);
             let (rx, ry) = (f.mul_add(px, e * x), f.mul_add(py, e * y));
@@ -123,6 +116,9 @@ impl<S: KernelScalar> PolynomialLens<S> {
             for shape in shapes {
                 let (power, limit) = sides(cpu, shape, [rx, ry], one);
                 passed = L::both(passed, power.less_equal(limit));
+                if let OutlineTest::Picture(_) = shape.outline {
+                    weight_root = weight_root * limit.sqrt();
+                }
             }
         }
         let bent = L::splat(cpu, self.curvature) * height;
@@ -143,7 +139,7 @@ impl<S: KernelScalar> PolynomialLens<S> {
                 (scale - one).or_zero(passed),
             ],
             passed,
-            cos2,
+            weight_root,
             left: one,
         }
     }

@@ -99,13 +99,15 @@ impl Spectral {
         };
         let film = FilmSampling::<S>::new(&FilmSide { sampler, ..side.clone() }).spectral(pupil, range);
         let (body, simd) = (LaneBody { film, ..self.body.lane_body() }, Available::best());
-        if range.is_empty() || !self.body.carries_light(lens) {
-            return Arc::new(Pipeline::new(body, steps, simd));
+        match &self.body.coatings {
+            Some(coatings) if !range.is_empty() => {
+                let absorbers = Absorbers::new(transmittances);
+                let range = [range.start(), range.end()].map(|end| (*end).into());
+                let lit = Transmission::steps_at_wavelengths(steps, lens, coatings, &absorbers, range);
+                Arc::new(Pipeline::new(body, lit, simd))
+            }
+            _ => Arc::new(Pipeline::new(body, steps, simd)),
         }
-        let (coatings, absorbers) = (self.body.coatings.as_deref(), Absorbers::new(transmittances));
-        let range = [range.start(), range.end()].map(|end| (*end).into());
-        let lit = Transmission::steps_at_wavelengths(steps, lens, coatings, &absorbers, range);
-        Arc::new(Pipeline::new(body, lit, simd))
     }
 
     /// Returns the true pupil at all wavelengths; `None` if the true pupil is not sampled.
