@@ -86,6 +86,8 @@ fn round(more: &[(&str, &str)]) -> Camera {
 #[test]
 fn a_pictures_light_is_neither_lost_nor_made_at_any_azimuth() {
     let (folder, round) = (Folder::new(), round(&[]));
+    let planned = |camera: &Camera| camera.plan().to_string().contains("picture in the stop");
+    assert!(planned(&folder.camera(&[])) && !planned(&round));
     let cameras: Vec<(&str, Camera)> =
         ["warped", "rear"].map(|pupil| (pupil, folder.camera(&[("pupil", pupil)]))).into();
     let azimuths: Vec<u8> = (0..12).collect();

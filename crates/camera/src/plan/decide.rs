@@ -204,6 +204,8 @@ pub struct Requests {
     pub transmission: bool,
     /// Whether ghosts are requested.
     pub ghosts: bool,
+    /// Whether a picture is in the stop.
+    pub picture: bool,
 }
 
 /// Adds to a plan the features that are built only on request, by a call or a parameter. The command
@@ -237,4 +239,7 @@ pub fn describe_requests(requests: &Requests, plan: &mut Plan) {
         "a share of the samples goes to pairs of surfaces",
         "no surface reflects",
     );
+    if requests.picture {
+        plan.kept("picture in the stop", "\"stop_picture\" asks for it", "a look-up for each ray");
+    }
 }
