@@ -154,6 +154,8 @@ static void do_refusals(void) {
     refuse("negative-pixels", &o);
     o = options(), o.lens_file = "no/such/lens.dat";
     refuse("no-lens", &o);
+    o = options(), o.stop_picture = "no/such/picture.png";
+    refuse("no-picture", &o);
     o = options(), o.lens_file = "\xff\xfe";
     refuse("not-utf8", &o);
     o = options(), o.lens_text = "20 5 1.5 10\n-20 x 1 10\n", o.lens_text_size = strlen(o.lens_text);

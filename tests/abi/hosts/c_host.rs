@@ -41,6 +41,7 @@ const SIZE: i32 = 2;
 const PARAMETER: i32 = 3;
 const LENS: i32 = 4;
 const UNREACHABLE: i32 = 5;
+const IO: i32 = 6;
 const PANIC: i32 = 7;
 const NOT_OURS: i32 = 8;
 const MEMORY: i32 = 9;
@@ -102,7 +103,7 @@ fn every_status_of_the_header_is_returned_or_reserved() {
         let is_it = |line: &str| line.split(' ').nth(1) == Some(&number.to_string());
         reports.iter().any(|report| report.out.lines().any(is_it))
     };
-    assert_eq!(returned.len(), 10, "{returned:?}");
+    assert_eq!(returned.len(), 11, "{returned:?}");
     for (number, name) in returned {
         // Only a defect causes this status: a unit test of the boundary provokes one.
         assert!(number == PANIC || seen(number), "{name} is never returned");
@@ -131,6 +132,7 @@ fn each_kind_of_error_has_its_status_and_a_message_that_helps() {
     assert_status(&report, "no-pixels", PARAMETER, &["0 x 30 pixels", "1 or more"]);
     assert_status(&report, "negative-pixels", PARAMETER, &["40 x -3 pixels"]);
     assert_status(&report, "no-lens", LENS, &["no/such/lens.dat", "dgauss.50mm"]);
+    assert_status(&report, "no-picture", IO, &["\"stop_picture\"", "no picture \"no/such/picture.png\""]);
     assert_status(&report, "not-utf8", PARAMETER, &["\"lens_file\"", "UTF-8"]);
     assert_status(&report, "bad-text", LENS, &["lens_text:2:5:", "\"x\" is not a number"]);
     assert_status(&report, "no-text", LENS, &["lens_text:1:1:", "at least one interface"]);
