@@ -54,6 +54,7 @@ pub mod rays;
 mod samples;
 pub mod sampling;
 mod setup;
+mod vectors;
 
 pub use crate::plan::Precision;
 pub use crate::sampling::film;

@@ -4,9 +4,10 @@
 use std::ops::{Deref, DerefMut};
 
 use super::{FilmWe, Importance};
+use crate::vectors::in_vectors;
 use realistic_optics::lens::Ray;
 use realistic_simd::{Available, Cpu, Lanes};
-use realistic_trace::kernel::{Grouping, InVectors, RayBuffer, in_vectors};
+use realistic_trace::kernel::{Grouping, InVectors, RayBuffer};
 
 /// Number of points or rays per block; their columns fit in the first-level cache.
 pub const BLOCK: usize = 128;

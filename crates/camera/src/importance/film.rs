@@ -2,9 +2,10 @@
 //! slopes.
 
 use super::block::{load, store};
+use crate::vectors::in_vectors;
 use crate::{pipeline::body::CameraBody, plan::FilmSide, sampling::film_rays::FilmRays};
 use realistic_simd::{Available, Cpu, Lanes};
-use realistic_trace::kernel::{Grouping, InVectors, LensRays, RayBuffer, in_vectors};
+use realistic_trace::kernel::{Grouping, InVectors, LensRays, RayBuffer};
 
 /// A film and its sampler, for rays that arrive from the scene.
 #[derive(Clone, Debug)]

@@ -3,6 +3,7 @@
 
 use super::{block::ArrivingRays, entrance::SeenPupil, film::ImportanceFilm, front::Front};
 use crate::pipeline::{body::CameraBody, on_demand::OnDemand};
+use crate::vectors::in_vectors;
 use realistic_light::Transmission;
 use realistic_optics::{
     imaging::axial_beam::AxialBeam,
@@ -11,9 +12,7 @@ use realistic_optics::{
     trace::{Direction, Path},
 };
 use realistic_simd::Available;
-use realistic_trace::kernel::{
-    Arrays, Grouping, Kernel, LensRays, LensSteps, Optics, Own, RayBuffer, in_vectors,
-};
+use realistic_trace::kernel::{Arrays, Grouping, Kernel, LensRays, LensSteps, Optics, Own, RayBuffer};
 
 /// Smallest depth of the projection centre behind the front vertex, as a fraction of the front surface's
 /// clear semi-diameter.

@@ -19,9 +19,10 @@ use crate::{
     rays::Rays,
     samples::{Sample, Samples},
     sampling::film_rays::FilmRays,
+    vectors::in_vectors,
 };
 use realistic_simd::{Available, Cpu, Lanes};
-use realistic_trace::kernel::{Group, Grouping, InVectors, KernelScalar, Optics, from_plane, in_vectors};
+use realistic_trace::kernel::{Group, Grouping, InVectors, KernelScalar, Optics, from_plane};
 
 /// A camera compiled for one precision and one tracer: a kernel's table of surfaces (with or without a
 /// wavelength per ray), polynomials, or an ideal lens. The number of samples in a call does not change any

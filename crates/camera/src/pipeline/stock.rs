@@ -1,13 +1,14 @@
 //! Cameras without a prescription in lanes of single precision, from samples to world rays of weight 1.
 
 use super::{film_sampling::SampleLanes, tracer::Tracer};
+use crate::vectors::in_vectors;
 use crate::{
     placement::{Placement, RangedRays, SingleToWorld},
     rays::Rays,
     samples::Samples,
 };
 use realistic_simd::{Available, Cpu, Lanes};
-use realistic_trace::kernel::{Grouping, InVectors, in_vectors};
+use realistic_trace::kernel::{Grouping, InVectors};
 
 /// A projection that makes a camera-space ray with a unit direction from a sample.
 pub trait View: Send + Sync {

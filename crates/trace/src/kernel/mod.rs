@@ -96,7 +96,7 @@ pub(crate) use self::{asphere::Profile, outline::sides, ray_arrays::trace_array}
 pub use self::{
     carried::Carried,
     group::Group,
-    instances::{Grouping, InVectors, LensSteps, Optics, in_vectors},
+    instances::{Grouping, InVectors, LensSteps, Optics, in_vectors, one_by_one},
     ray_arrays::{Approach, Arrays, from_plane},
     ray_lanes::{Crossing, End, Start},
     table::{Step, Table},
