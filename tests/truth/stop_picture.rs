@@ -25,12 +25,19 @@ const VALUES: [f32; 20] = [
     0.2, 0.3, 1.0, 0.1, 0.5,
 ];
 
-/// Returns the transmission at a point in clear semi-diameters: a sum of tents over the pixels.
+/// Returns the transmission at a point in clear semi-diameters: a sum of tents over the pixels, for the nearest point
+/// between their outermost centres.
 fn transmission([x, y]: [f64; 2]) -> f64 {
     let [width, height] = SIZE.map(|side| side as f64);
     let (column, row) = (0.5 * width * (1.0 + x), 0.5 * height - 0.5 * width * y);
-    let tent = |at: f64, pixel: usize| (1.0 - (at - pixel as f64 - 0.5).abs()).max(0.0);
-    let of_pixel = |i: usize| f64::from(VALUES[i]) * tent(column, i % SIZE[0]) * tent(row, i / SIZE[0]);
+    if !((0.0..=width).contains(&column) && (0.0..=height).contains(&row)) {
+        return 0.0;
+    }
+    let tent = |at: f64, side: f64, pixel: usize| {
+        (1.0 - (at.clamp(0.5, side - 0.5) - pixel as f64 - 0.5).abs()).max(0.0)
+    };
+    let of_pixel =
+        |i: usize| f64::from(VALUES[i]) * tent(column, width, i % SIZE[0]) * tent(row, height, i / SIZE[0]);
     (0..VALUES.len()).map(of_pixel).sum()
 }
 

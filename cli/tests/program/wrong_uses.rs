@@ -103,7 +103,7 @@ const WRONG_USES: &[WrongUse] = &[
     (&["render", "--lens", "nowhere.dat"], 1, &["no lens file \"nowhere.dat\"", "dgauss.50mm"]),
     (&["lens", "lens.json"], 1, &["lens.json:1:1: JSON", "read are a table"]),
     (&["render", "lens.json"], 1, &["lens.json:1:1: JSON", "read are a table"]),
-    (&["lens", "."], 1, &["is a directory; give a lens file in it"]),
+    (&["lens", "."], 1, &["is a directory; give a file in it"]),
     (&["lens", "picture.png"], 1, &["picture.png:1:1: "]),
     (&["draw", "singlet.dat", "--zoom", "35"], 2, &["one focal length"]),
     (&["focus", "dgauss.50mm", "--focus-distance", "60"], 1, &["cannot focus at 60 mm", "197.0"]),

@@ -114,7 +114,7 @@ fn lenses() -> Vec<Lens> {
 pub fn first_order() -> Vec<CaseResult> {
     let mut results = Vec::new();
     for lens in lenses() {
-        // A lens that ends in glass has no focal length in air.
+        // An afocal lens has no focal length.
         let Ok(own) = FirstOrder::of(&lens) else { continue };
         let matrix = RayTransferMatrix::behind(&lens, 0, true);
         let power = -matrix.exact[1][0];
@@ -130,7 +130,7 @@ pub fn first_order() -> Vec<CaseResult> {
         ));
         // The library keeps the focal point's position in lens space, so the distance inherits the rounding of the
         // last vertex's position.
-        let back = matrix.exact[0][0] / power;
+        let back = matrix.exact[0][0] * DoubleDouble::from_f64(lens.rear().n_film) / power;
         let position = own.rear_vertex.abs() / back.to_f64().abs();
         let condition = condition + matrix.condition(0, 0) + position;
         let (name, got) = (named("back focal distance"), own.back_focal_distance());

@@ -1,7 +1,8 @@
 //! A grey picture as the transmission of a stop.
 //!
 //! The picture is centred on the axis, and its width is the clear diameter of the stop. Between the centres of pixels
-//! the transmission is interpolated linearly in both directions; outside the picture it is 0.
+//! the transmission is interpolated linearly in both directions; from the outermost centres to the border it is constant,
+//! and outside the picture it is 0.
 
 use std::fmt;
 
@@ -11,8 +12,8 @@ pub struct StopPicture {
     /// Width and height, pixels.
     size: [usize; 2],
     /// For each point of the grid the transmission there and one row below, so that two neighbouring entries are the
-    /// four corners of a cell. The points are the centres of the pixels and a frame of zeros around them, row by row
-    /// from the top.
+    /// four corners of a cell. The points are the centres of the pixels, with the outermost ones repeated once around
+    /// them, row by row from the top.
     cells: Box<[[f32; 2]]>,
 }
 
@@ -31,10 +32,11 @@ impl StopPicture {
             "a picture of at most {MAX_PICTURE_SIDE} pixels a side"
         );
         let stride = width + 2;
-        let mut points = vec![0.0; stride * (height + 2)];
-        for (row, values) in (1..).zip(values.chunks_exact(width)) {
-            points[row * stride + 1..][..width].copy_from_slice(values);
-        }
+        let nearest = |at: usize, side: usize| at.clamp(1, side) - 1;
+        let row_of =
+            |row: usize| (0..stride).map(move |column| (nearest(row, height), nearest(column, width)));
+        let points: Vec<f32> =
+            (0..height + 2).flat_map(row_of).map(|(row, column)| values[row * width + column]).collect();
         let below = points.iter().skip(stride).chain(std::iter::repeat(&0.0));
         let mut cells: Vec<[f32; 2]> = points.iter().zip(below).map(|(own, below)| [*own, *below]).collect();
         // The last point is the corner of a cell, too.
@@ -52,9 +54,9 @@ impl StopPicture {
         self.size[0] + 2
     }
 
-    /// Returns the index of the last column and of the last row of points.
-    pub fn last(&self) -> [usize; 2] {
-        self.size.map(|side| side + 1)
+    /// Returns the places of the picture's borders: column and row of the upper left corner, and of the lower right one.
+    pub fn borders(&self) -> [[f64; 2]; 2] {
+        [[0.5; 2], self.size.map(|side| side as f64 + 0.5)]
     }
 
     /// Returns the transmission at each point of the grid, with that one row below.
@@ -62,11 +64,11 @@ impl StopPicture {
         &self.cells
     }
 
-    /// Returns the transmission at a place of the grid, counted in points from the upper left one; 0 outside the grid
+    /// Returns the transmission at a place of the grid, counted in points from the upper left one; 0 outside the picture
     /// and for NaN.
     pub fn at(&self, place: [f64; 2]) -> f64 {
-        let last = self.last().map(|last| last as f64);
-        if !(0..2).all(|axis| (0.0..=last[axis]).contains(&place[axis])) {
+        let [from, to] = self.borders();
+        if !(0..2).all(|axis| (from[axis]..=to[axis]).contains(&place[axis])) {
             return 0.0;
         }
         let [column, row] = place.map(|at| at as usize);
@@ -118,17 +120,15 @@ mod tests {
 
     #[test]
     fn pixels_lie_over_the_stop_and_add_up_to_their_mean() {
-        // Two by one pixels: the upper half of the stop's square ends at half the stop's radius.
+        // Two by one pixels: the picture ends at half the stop's radius.
         let picture = StopPicture::new([2, 1], &[1.0, 0.25]);
         let [to_column, to_row] = picture.to_place();
         let at = |x: f64, y: f64| picture.at([to_column[0] * x + to_column[1], to_row[0] * y + to_row[1]]);
         assert_eq!([at(-0.5, 0.0), at(0.5, 0.0), at(0.0, 0.0)], [1.0, 0.25, 0.625]);
-        // Half of a pixel's height up, half of the light is left, and none where the next row would be.
-        assert_eq!([at(-0.5, 0.5), at(-0.5, -0.5), at(-0.5, 1.0), at(-0.5, 1.2)], [0.5, 0.5, 0.0, 0.0]);
+        assert_eq!([at(-1.0, 0.5), at(-0.5, -0.5), at(-0.5, 0.51), at(-1.01, 0.0)], [1.0, 1.0, 0.0, 0.0]);
         assert_eq!([at(f64::NAN, 0.0), at(9.0, 0.0)], [0.0; 2]);
         let square = StopPicture::new([3, 3], &[0.5; 9]);
-        // At the edge of the stop, half the outer pixels' light is left.
-        assert!((square.mean() - 0.5).abs() < 0.02 && (square.times(2.0).mean() - 1.0).abs() < 0.04);
+        assert!((square.mean() - 0.5).abs() < 1e-12 && (square.times(2.0).mean() - 1.0).abs() < 1e-12);
     }
 
     #[test]

@@ -24,26 +24,28 @@ pub fn sides<L: Lanes>(cpu: Cpu<L>, test: &ApertureTest<L::Scalar>, point: [L; 2
     }
 }
 
-/// Returns the transmission of a picture, interpolated between the centres of its pixels.
+/// Returns the transmission of a picture, interpolated between the centres of its pixels; 0 outside it and for NaN.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn transmission<L: Lanes>(cpu: Cpu<L>, test: &PictureTest<L::Scalar>, [x, y]: [L; 2], w: L) -> L {
-    let number = |number: usize| L::splat(cpu, L::Scalar::from_f64(number as f64));
-    let (zero, one) = (number(0), number(1));
-    let per_w = one / w;
+    let per_w = L::splat(cpu, L::Scalar::ONE) / w;
     let [x, y] = [x * per_w, y * per_w];
-    let mut place = [zero; 2];
+    let [from, to] = test.picture.borders();
+    let mut place = [per_w; 2];
+    let mut is_inside = x.less_equal(x);
     for axis in 0..2 {
         let ([of_x, of_y], offset) = (test.axes[axis], L::splat(cpu, test.offset[axis]));
         let at = y.mul_add(L::splat(cpu, of_y), x.mul_add(L::splat(cpu, of_x), offset));
-        // A place outside the grid, or NaN, moves to the grid's frame of zeros.
-        place[axis] = at.larger(zero).smaller(number(test.picture.last()[axis]));
+        let [from, to] = [from[axis], to[axis]];
+        is_inside = L::both(is_inside, L::splat(cpu, L::Scalar::from_f64(from)).less_equal(at));
+        is_inside = L::both(is_inside, at.less_equal(L::splat(cpu, L::Scalar::from_f64(to))));
+        place[axis] = at;
     }
     let [column, row] = [place[0].trunc(), place[1].trunc()];
     let [right, down] = [place[0] - column, place[1] - row];
-    let cell = row.mul_add(number(test.picture.stride()), column).whole();
+    let cell = row.mul_add(L::splat(cpu, L::Scalar::from_f64(test.picture.stride() as f64)), column).whole();
     let [[a, b, c, d]] = L::look_up::<1, 1>(test.picture.cells(), cell, [0]);
     let [upper, lower] = [right.mul_add(c - a, a), right.mul_add(d - b, b)];
-    down.mul_add(lower - upper, upper)
+    down.mul_add(lower - upper, upper).or_zero(is_inside)
 }
 
 /// Returns the two sides of the inequality of a [`ConvexTest`].
