@@ -101,7 +101,8 @@ pub struct End<L: Lanes> {
     pub direction: [L; 3],
     /// Lanes whose rays pass the optics.
     pub passed: L::Mask,
-    /// Root of the rays' weight without `left`, as [`RayLanes::weight_root`].
+    /// Root of the rays' weight without `left`: the squared cosine of the angle to the axis for rays from a plane, 1 for
+    /// rays from anywhere, times the root of the transmission of a picture.
     pub weight_root: L,
     /// Remaining share of the light if rays carry light, else 1.
     pub left: L,
