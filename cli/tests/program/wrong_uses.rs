@@ -104,6 +104,16 @@ const WRONG_USES: &[WrongUse] = &[
     (&["lens", "lens.json"], 1, &["lens.json:1:1: JSON", "read are a table"]),
     (&["render", "lens.json"], 1, &["lens.json:1:1: JSON", "read are a table"]),
     (&["lens", "."], 1, &["is a directory; give a file in it"]),
+    (
+        &["blender", "dgauss.50mm", "--stop-picture", "heart.png"],
+        2,
+        &["this command has no \"stop_picture\""],
+    ),
+    (
+        &["render", "dgauss.50mm", "--stop-picture", "none.png"],
+        1,
+        &["\"stop_picture\": no picture \"none.png\" in the working directory"],
+    ),
     (&["lens", "picture.png"], 1, &["picture.png:1:1: "]),
     (&["draw", "singlet.dat", "--zoom", "35"], 2, &["one focal length"]),
     (&["focus", "dgauss.50mm", "--focus-distance", "60"], 1, &["cannot focus at 60 mm", "197.0"]),
