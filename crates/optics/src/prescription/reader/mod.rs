@@ -22,6 +22,7 @@ mod optical_bench;
 mod surface_rows;
 mod table;
 mod text;
+mod zar;
 mod zemax;
 
 use super::{
@@ -30,6 +31,7 @@ use super::{
 use ledger::Ledger;
 use realistic_base::message::{counted, cut, folded};
 use text::Text;
+pub(super) use zar::is_archive;
 
 /// Reads the text of a lens file in any format. Glass names are looked up among the built-in glasses.
 ///
@@ -55,6 +57,9 @@ pub fn read_with(name: &str, bytes: &[u8], library: &GlassLibrary) -> Result<Pre
             format!("the lens's name has {} bytes; a name has at most {MAX_NAME_BYTES}", short_name.len());
         return Err(LensFileError { file: cut(&short_name), line: 1, column: 1, message });
     }
+    if is_archive(bytes) {
+        return Ok(Prescription { name: short_name, ..zar::read(name, bytes, library)? });
+    }
     if let Some(within) = bytes.get(..MAX_FILE_BYTES as usize).filter(|within| within.len() < bytes.len()) {
         let line_start = within.iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end + 1);
         return Err(LensFileError {
@@ -67,17 +72,22 @@ pub fn read_with(name: &str, bytes: &[u8], library: &GlassLibrary) -> Result<Pre
     let bytes = text::decoded(bytes);
     let text = Text::new(name, &bytes);
     let mut ledger = Ledger::of(&text);
-    let mut lens = match Format::of(&bytes) {
+    let lens = match Format::of(&bytes) {
         Format::Table => table::read(name, &bytes, library, &mut ledger),
         Format::OpticalBench => optical_bench::read(&text, library, &mut ledger),
-        Format::Zemax => zemax::read(&text, library, &mut ledger),
+        Format::Zemax => zemax::read(&text, library, None, &mut ledger),
         Format::FlareSim => flaresim::read(&text, &mut ledger),
         Format::Foreign(message) => Err(LensFileError { file: name.to_owned(), line: 1, column: 1, message }),
     }?;
+    Ok(Prescription { name: short_name, ..finished(lens, ledger, library) })
+}
+
+/// Returns a lens with the findings and warnings of its file.
+fn finished(mut lens: Prescription, mut ledger: Ledger<'_>, library: &GlassLibrary) -> Prescription {
     keep_paired_positions(&mut lens, &mut ledger);
     let (findings, warnings) = ledger.close();
     lens.remarks = folded(&[warnings, lens.remarks, library.warnings()].concat());
-    Ok(Prescription { name: short_name, findings: findings.into(), ..lens })
+    Prescription { findings: findings.into(), ..lens }
 }
 
 /// Leaves out the positions that do not pair, and puts the others in the order of `Positions::layout`.
@@ -154,11 +164,7 @@ const READ: &str = "read are a table with a line for each surface (radius, thick
 fn binary(bytes: &[u8]) -> Option<&'static str> {
     const POINTER: &[u8] = b"version https://git-lfs.github.com/spec/";
     match bytes {
-        // An archive begins with its version.
-        [0xEA, 0x00, ..] | [0xEC, 0x03, ..] => Some(
-            "a Zemax archive (.zar), and archives are not read: open it in OpticStudio (File, Load Archive) and give the \
-             .zmx file that it holds, its glass catalogues (.agf) beside it",
-        ),
+        _ if is_archive(bytes) => Some("a Zemax archive (.zar) in an archive; give the inner one by itself"),
         [b'Z', b'o', b'S', 0, ..] => {
             Some("a binary file of OpticStudio (.zos), which is not read: save it there as Zemax text (.zmx)")
         }
@@ -268,8 +274,11 @@ mod tests {
     #[test]
     fn files_that_are_no_text_are_told_by_their_first_bytes() {
         for (bytes, what) in [
-            (&b"\xEC\x03\0\0\0\0\0\0\x01\0\0\0\x01\0\0\0\xAB\x0B\0\0\0\0\0\0"[..], "a Zemax archive (.zar)"),
-            (b"\xEA\0\0\0\nSURF 0\n", "a Zemax archive (.zar)"),
+            (
+                &b"\xEC\x03\0\0\0\0\0\0\x01\0\0\0\x01\0\0\0\xAB\x0B\0\0\0\0\0\0"[..],
+                "the Zemax archive is damaged: the header of member 1",
+            ),
+            (b"\xEA\0\0\0\nSURF 0\n", "the Zemax archive is damaged: the header of member 1"),
             (b"ZoS\0\x01\0\0\0\x01\0\0\0", "a binary file of OpticStudio (.zos)"),
             (b"PK\x03\x04", "a zip archive"),
             (b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 5529\n", "a Git LFS pointer"),
