@@ -10,13 +10,15 @@ use super::properties;
 
 use proptest::prelude::*;
 
-const FILES: [&[u8]; 12] = [
+const FILES: [&[u8]; 14] = [
     include_bytes!("../../crates/optics/lenses/dgauss.100mm.dat"),
     include_bytes!("../../crates/optics/lenses/dgauss.50mm.dat"),
     include_bytes!("../../crates/optics/lenses/fisheye.10mm.dat"),
     include_bytes!("../../crates/optics/lenses/zoom.24-70mm.dat"),
     include_bytes!("../golden/files/bench.txt"),
     include_bytes!("../golden/files/aspheres.zmx"),
+    include_bytes!("../golden/files/archive.zar"),
+    b"# a list, as pbrt reads it\n20 5 1.5 10 0 1 0 8 -20 30 1 10\n",
     b"name: x\nfocal_length: 20\nsurfaces:\n20 5 1.5 60 8 1\n-20 -0.5 1 0 8 0\nstop 18 1 0 3 0\n",
     b"20 5 1.5 10\n-20 -0.5 1 10\nstop 30 1 9\n",
     b"NM N-SK16 2 0 1.62041 60.32\nCD 1.34317774 0.00704687339 0.241144399 0.0229005 0.994317969 92.7508526\n",

@@ -1,6 +1,6 @@
 //! The reader of lens files. This module recognises the format of a text. Each format has its own module: the project's
-//! own [`table`], [`optical_bench`] text, [`zemax`] and [`flaresim`] files, and [`agf`] catalogues of glass. Every lens
-//! format produces rows, from which [`surface_rows`] builds checked interfaces. Files of other programs are not
+//! own [`table`], [`optical_bench`] text, [`zemax`] files and their archives ([`zar`]), [`flaresim`] files, and [`agf`]
+//! catalogues of glass. Every lens format produces rows, from which [`surface_rows`] builds checked interfaces. Files of other programs are not
 //! supported; [`binary`] and [`foreign`] recognise them by their beginning, so that the message names the program
 //! instead of reporting a misread number.
 //!
@@ -9,7 +9,7 @@
 //! module, and a valid file to the files that `tests/abi/fuzz_bodies.rs` mutates. Describe the format in
 //! `docs/lens-format.md` and `docs/lenses.md`.
 //!
-//! A file has at most [`MAX_FILE_BYTES`] bytes, `MAX_INTERFACES` interfaces and the same number of glass definitions.
+//! A file has at most [`MAX_FILE_BYTES`] bytes (an archive has `MAX_ARCHIVE_BYTES`), `MAX_INTERFACES` interfaces and the same number of glass definitions.
 //! The name of the file and the names of its glasses have at most [`MAX_NAME_BYTES`] bytes. Larger input is refused
 //! before anything is computed from it. No real lens comes near these limits, and a file from elsewhere must not keep
 //! the reader busy.
@@ -44,7 +44,8 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Prescription, LensFileError> {
 /// Reads the text of a lens file in any format. Glass names are looked up in `library`.
 ///
 /// `name` is the name of the file as the caller knows it; every error message begins with `name`. The text is UTF-8
-/// with or without a byte-order mark, or UTF-16 with a byte-order mark. Comments may be in any encoding.
+/// with or without a byte-order mark, or UTF-16 with a byte-order mark. Comments may be in any encoding. A Zemax archive
+/// is read as the lens in it; the file in the errors of that lens is `name/MEMBER`.
 ///
 /// # Errors
 /// The text is not a lens; the error gives the first location at which the text is malformed, and the expected content.
@@ -158,7 +159,8 @@ fn short_name(name: &str) -> String {
 
 /// The supported formats, for messages about other files.
 const READ: &str = "read are a table with a line for each surface (radius, thickness, index and clear diameter in mm: \
-                    docs/lens-format.md), Optical Bench text, Zemax text (.zmx) and FlareSim text (.lens); export one of these";
+                    docs/lens-format.md), Optical Bench text, Zemax text (.zmx) and archives (.zar), and FlareSim text \
+                    (.lens); export one of these";
 
 /// Recognises, by its first bytes, a file that is not text, or a file that only refers to another file.
 fn binary(bytes: &[u8]) -> Option<&'static str> {
@@ -268,6 +270,21 @@ mod tests {
         // A comment or stop row that begins with the letters of a command is not a command.
         for text in ["# SO it is\n20 5 1.5 10\n-20 30 1 10", "stop 3 1 8\n20 5 1.5 10\n-20 30 1 10"] {
             assert!(read("own", text.as_bytes()).is_ok(), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_zos_file_that_is_text_in_utf_16_is_a_zemax_lens() {
+        let text = "VERS 200831 258\r\nMODE SEQ\r\nFLOA\r\nSURF 0\r\n  DISZ INFINITY\r\nSURF 1\r\n  STOP\r\n  CURV 0.02\r\n\
+            DISZ 4\r\n  GLAS N-BK7 0 0\r\n  DIAM 5 1\r\nSURF 2\r\n  CURV -0.02\r\n  DISZ 48\r\n  DIAM 5 1\r\nSURF 3\r\n";
+        let plain = read("lens.zmx", text.as_bytes()).expect("a lens");
+        let units = || std::iter::once(0xFEFF).chain(text.encode_utf16());
+        for bytes in [
+            units().flat_map(u16::to_le_bytes).collect::<Vec<u8>>(),
+            units().flat_map(u16::to_be_bytes).collect(),
+        ] {
+            let lens = read("lens.zos", &bytes).expect("a lens");
+            assert_eq!((lens.interfaces, lens.glasses), (plain.interfaces.clone(), plain.glasses.clone()));
         }
     }
 

@@ -6,7 +6,8 @@
 //! refractive index and clear diameter. **Five columns**, as in Smith's *Modern Lens Design*: a row of glass has
 //! radius, thickness, n_d, V-number and clear diameter; a row of air has radius, thickness and diameter; the row of the
 //! stop has thickness and diameter, perhaps after the word `stop`; and `-` stands for a missing value. A file is of the
-//! second kind if any row has five values. In both kinds the last column has radii instead of diameters if a comment
+//! second kind if any row has five values. pbrt reads numbers without regard to lines, four for each row, so a table of
+//! four columns may be a list on one line or with one number on each line. In all kinds the last column has radii instead of diameters if a comment
 //! labels it as radii.
 
 mod apertures;
@@ -46,6 +47,7 @@ pub(super) fn read(
     let in_front = statements::medium(&mut lines, &glasses, ledger)?;
     let wavelength = statements::wavelength(&mut lines)?;
     let columns = TableColumns::take(&mut lines)?;
+    flat_list(&mut lines);
     misspelt_keyword(&lines)?;
     heading(&lines)?;
     let (mut stated_focal_length, table) = leading_focal_length(&lines)?;
@@ -99,6 +101,21 @@ pub(super) fn read(
         Some(if word.starts_with(|c: char| c.is_ascii_alphabetic()) { word } else { "row" })
     });
     Ok(lens)
+}
+
+/// Divides a list of numbers into rows of four, if the lines are no rows: all numbers are on one line, or each has a
+/// line. The indices and the diameters must be possible, so that a list of other columns is not taken for one of four.
+fn flat_list(lines: &mut Lines<'_>) {
+    let words = lines.lines.concat();
+    let is_list = lines.lines.len() == 1 || lines.lines.len() == words.len();
+    let rows = words.chunks(4);
+    let is_row = |row: &[Cell<'_>]| match row.iter().filter_map(Cell::number).collect::<Vec<_>>()[..] {
+        [_, _, index, diameter] => (index == 0.0 || (1.0..=4.0).contains(&index)) && diameter > 0.0,
+        _ => false,
+    };
+    if is_list && words.len() > 4 && !lines.has_decimal_comma() && rows.clone().all(is_row) {
+        lines.lines = rows.map(<[Cell<'_>]>::to_vec).collect();
+    }
 }
 
 /// Splits off the first line if it has only a focal length. Returns that length and the remaining lines of the table.
