@@ -18,9 +18,15 @@ mod lines;
 mod rows;
 mod statements;
 
-use super::{ledger::Ledger, surface_rows, text::Cell};
+use super::{
+    ledger::Ledger,
+    surface_rows::{self, SurfaceRow},
+    text::Cell,
+};
 use crate::prescription::{
-    Fate, LensFileError, MAX_INTERFACES, glass::GlassLibrary, interfaces::Prescription,
+    Fate, LensFileError, MAX_INTERFACES,
+    glass::GlassLibrary,
+    interfaces::{Medium, Prescription},
 };
 use columns::TableColumns;
 use glasses::Glasses;
@@ -60,6 +66,7 @@ pub(super) fn read(
     } else {
         table.iter().map(|line| rows::of_four(&lines, &glasses, line)).collect::<Result<Vec<_>, _>>()
     }?;
+    thicknesses_in_front(&lines, table, &rows)?;
     if let Some((location, message)) = lines.radius_column_remark() {
         ledger.warn(Fate::Replaced, location, "heading", None, message);
         rows.iter_mut().for_each(|row| row.diameter *= 2.0);
@@ -116,6 +123,32 @@ fn flat_list(lines: &mut Lines<'_>) {
     if is_list && words.len() > 4 && !lines.has_decimal_comma() && rows.clone().all(is_row) {
         lines.lines = rows.map(<[Cell<'_>]>::to_vec).collect();
     }
+}
+
+/// Checks that the thicknesses are those behind the surfaces. Some tables state those in front. In such a table the glass
+/// of the first row, and no other, has thickness 0, and the last row has the thickness of the last glass.
+fn thicknesses_in_front(
+    lines: &Lines<'_>,
+    table: &[Line<'_>],
+    rows: &[SurfaceRow],
+) -> Result<(), LensFileError> {
+    let is_glass = |row: &SurfaceRow| row.behind.medium != Medium::Air;
+    let [first, inner @ .., before, last] = rows else { return Ok(()) };
+    let others = || inner.iter().chain([before, last]);
+    let is_sign = is_glass(first)
+        && first.thickness == 0.0
+        && is_glass(before)
+        && last.thickness > 0.0
+        && others().count() > 2
+        && others().all(|row| !is_glass(row) || row.thickness > 0.0);
+    if !is_sign {
+        return Ok(());
+    }
+    Err(lines.error(
+        &table[0][1],
+        "the first glass has thickness 0 and no other has, as where thicknesses are those in front of the surfaces; a \
+         thickness is that behind: write each in the row before its own (or 1e-9 for a glass that thin)",
+    ))
 }
 
 /// Splits off the first line if it has only a focal length. Returns that length and the remaining lines of the table.

@@ -64,6 +64,23 @@ fn a_list_of_numbers_is_rows_of_four() {
 }
 
 #[test]
+fn a_table_of_thicknesses_in_front_of_the_surfaces_is_refused() {
+    let front = "50 0 1.5 20\n-50 4 1 20\n0 3 0 12\n-20 5 1.6 20\n-30 2 1 20\n";
+    refused(
+        front,
+        "1:4",
+        &["the first glass has thickness 0", "in front of the surfaces", "in the row before"],
+    );
+    ok(&front.replacen("50 0 1.5", "50 1e-9 1.5", 1));
+    // Thin lenses.
+    ok("50 0 1.5 20\n-50 48 1 20\n");
+    ok("50 0 1.5 20\n-50 4 1 20\n0 3 0 12\n-20 0 1.6 20\n-30 2 1 20\n");
+    ok("50 4 1.5 20\n-50 3 1 20\n0 5 0 12\n-20 2 1.6 20\n-30 0 1 20\n");
+    // A surface in air may touch the next one.
+    ok("50 0 1 20\n50 4 1.5 20\n-50 50 1 20\n");
+}
+
+#[test]
 fn the_first_comment_is_the_title_and_focal_length_is_kept() {
     let lens = ok(b"#\n# A singlet \n50\n20 5 1.5 10\n-20 0 1 10");
     assert_eq!(lens.title.as_deref(), Some("A singlet"));
