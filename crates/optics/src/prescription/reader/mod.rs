@@ -1,6 +1,6 @@
 //! The reader of lens files. This module recognises the format of a text. Each format has its own module: the project's
-//! own [`table`], [`optical_bench`] text, [`zemax`] files and their archives ([`zar`]), [`flaresim`] files, and [`agf`]
-//! catalogues of glass. Every lens format produces rows, from which [`surface_rows`] builds checked interfaces. Files of other programs are not
+//! own [`table`], [`optical_bench`] text, [`zemax`] files and their archives ([`zar`]), [`flaresim`] and
+//! [`physical_camera`] files, and [`agf`] catalogues of glass. Every lens format produces rows, from which [`surface_rows`] builds checked interfaces. Files of other programs are not
 //! supported; [`binary`] and [`foreign`] recognise them by their beginning, so that the message names the program
 //! instead of reporting a misread number.
 //!
@@ -19,6 +19,7 @@ mod flaresim;
 mod ledger;
 mod named_glass;
 mod optical_bench;
+mod physical_camera;
 mod surface_rows;
 mod table;
 mod text;
@@ -78,6 +79,7 @@ pub fn read_with(name: &str, bytes: &[u8], library: &GlassLibrary) -> Result<Pre
         Format::OpticalBench => optical_bench::read(&text, library, &mut ledger),
         Format::Zemax => zemax::read(&text, library, None, &mut ledger),
         Format::FlareSim => flaresim::read(&text, &mut ledger),
+        Format::PhysicalCamera => physical_camera::read(&text, &mut ledger),
         Format::Foreign(message) => Err(LensFileError { file: name.to_owned(), line: 1, column: 1, message }),
     }?;
     Ok(Prescription { name: short_name, ..finished(lens, ledger, library) })
@@ -118,6 +120,7 @@ enum Format {
     OpticalBench,
     Zemax,
     FlareSim,
+    PhysicalCamera,
     /// A glass catalogue or a file of another program, with the message that says so.
     Foreign(String),
 }
@@ -146,7 +149,10 @@ impl Format {
                 None
             }
         };
-        let unknown = || foreign(bytes).map_or(Self::Table, Self::Foreign);
+        let unknown = || match is_toml(bytes.trim_ascii_start()) && physical_camera::is_lens(bytes) {
+            true => Self::PhysicalCamera,
+            false => foreign(bytes).map_or(Self::Table, Self::Foreign),
+        };
         lines.into_iter().find_map(known).unwrap_or_else(unknown)
     }
 }
@@ -159,8 +165,8 @@ fn short_name(name: &str) -> String {
 
 /// The supported formats, for messages about other files.
 const READ: &str = "read are a table with a line for each surface (radius, thickness, index and clear diameter in mm: \
-                    docs/lens-format.md), Optical Bench text, Zemax text (.zmx) and archives (.zar), and FlareSim text \
-                    (.lens); export one of these";
+                    docs/lens-format.md), Optical Bench text, Zemax text (.zmx) and archives (.zar), FlareSim text \
+                    (.lens) and Physical Camera's lenses (.toml); export one of these";
 
 /// Recognises, by its first bytes, a file that is not text, or a file that only refers to another file.
 fn binary(bytes: &[u8]) -> Option<&'static str> {
@@ -185,7 +191,7 @@ fn foreign(bytes: &[u8]) -> Option<String> {
     let start = bytes.trim_ascii_start();
     let json = |byte: &u8| matches!(byte, b'{' | b'[' | b'"' | b'-' | b'0'..=b'9');
     let what = match start {
-        _ if is_toml(start) => "TOML, and no lens is read from TOML",
+        _ if is_toml(start) => "TOML without the tables [lens] and [[surface]] of Physical Camera",
         [b'{', ..] => "JSON, and no lens is read from JSON",
         [b'[', rest @ ..] if rest.trim_ascii_start().first().is_some_and(json) => {
             "JSON, and no lens is read from JSON"
@@ -259,7 +265,7 @@ mod tests {
             (b" {\"surfaces\": []}", "JSON"),
             (b"[ [20, 5, 1.5]]", "JSON"),
             (b"[[20, 5, 1.5]]", "JSON"),
-            (b"[lens]\nname = \"doublet\"\n\n[[surface]]\nradius = 50.0\n", "TOML"),
+            (b"[lens]\nname = \"doublet\"\n\n[[surfaces]]\nradius = 50.0\n", "TOML"),
             (b"# a lens\n[[surface]] # front\nradius = 50.0\n", "TOML"),
             (b"name = \"doublet\"\n[[surface]]\n", "TOML"),
             (b"<?xml version=\"1.0\"?>", "XML"),
