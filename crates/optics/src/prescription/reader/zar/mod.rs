@@ -53,7 +53,7 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
     }
     let mut ledger = Ledger::of(&text);
     let library = library.with_archived(archive.catalogues(&mut ledger)?);
-    let coating_member = archive.coating_member(&text);
+    let coating_member = archive.coating_member(&text, &mut ledger);
     let coatings = coating_member.map(|member| archive.coatings(member)).transpose()?;
     let lens = zemax::read(&text, &library, coatings.as_ref(), &mut ledger)?;
     for other in &archive.members {
@@ -352,19 +352,22 @@ impl<'a> Archive<'a> {
                 "the catalogues of an archive have at most {MAX_CATALOGS} files, {MAX_CATALOG_BYTES} bytes and \
                  {MAX_CATALOG_GLASSES} glasses together"
             );
-            let is_full = catalogues.len() == MAX_CATALOGS;
-            let reason = match if is_full { None } else { self.unpacked(member, bytes_left)? } {
-                None => beyond,
-                Some(bytes) => match Catalogue::new(&self.name_of(member), &bytes) {
-                    Ok(catalogue) if catalogue.len() <= glasses_left => {
-                        bytes_left -= bytes.len() as u64;
-                        glasses_left -= catalogue.len();
-                        catalogues.push(catalogue);
-                        continue;
-                    }
-                    Ok(_) => beyond,
-                    Err(error) => error.message,
-                },
+            let is_full = catalogues.len() == MAX_CATALOGS || bytes_left == 0;
+            let unpacked = if is_full { None } else { self.unpacked(member, bytes_left)? };
+            // Whatever was unpacked counts, so that catalogues that are left out do not keep the reader busy.
+            bytes_left -= match &unpacked {
+                Some(bytes) => bytes.len() as u64,
+                None if member.is_packed && member.stated.is_none() => bytes_left,
+                None => 0,
+            };
+            let reason = match unpacked.map(|bytes| Catalogue::new(&self.name_of(member), &bytes)) {
+                Some(Ok(catalogue)) if catalogue.len() <= glasses_left => {
+                    glasses_left -= catalogue.len();
+                    catalogues.push(catalogue);
+                    continue;
+                }
+                Some(Err(error)) => error.message,
+                None | Some(Ok(_)) => beyond,
             };
             ledger.warn_of_file(Fate::LeftOut, &member.name, format!("{}: {reason}", cut(&member.name)));
         }
@@ -372,9 +375,10 @@ impl<'a> Archive<'a> {
     }
 
     /// Returns the member with the coatings: that which the lens names first in `COFN`, or else COATING.DAT.
-    fn coating_member(&self, text: &Text<'_>) -> Option<&Member<'a>> {
-        let named = text.lines().find_map(|(_, line)| {
-            let names = line.trim_start().strip_prefix("COFN")?.trim_start();
+    fn coating_member(&self, text: &Text<'_>, ledger: &mut Ledger<'_>) -> Option<&Member<'a>> {
+        let named = text.lines().find_map(|(line, text)| {
+            let names = text.trim_start().strip_prefix("COFN")?.trim_start();
+            ledger.note(Fate::Used, Location { line, column: 1 }, "COFN", None, "");
             match names.split_once('"') {
                 Some((_, name)) => name.split('"').next(),
                 None => names.split_whitespace().next(),

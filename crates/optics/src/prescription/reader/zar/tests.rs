@@ -91,6 +91,7 @@ fn a_lens_is_read_with_the_glasses_and_coatings_of_its_archive() {
         ] {
             assert_eq!(fate_of(left_out), Some((Fate::LeftOut, reason, 0)), "{left_out}");
         }
+        assert_eq!(fate_of("COFN"), Some((Fate::Used, "", 1)));
         // The lines are those of the lens.
         assert_eq!(fate_of("COAT").map(|(fate, _, lines)| (fate, lines)), Some((Fate::Replaced, 2)));
     }
@@ -252,6 +253,18 @@ fn what_is_no_lens_or_too_large_is_refused() {
         lens.remarks[1].contains("Y.AGF: the catalogues of an archive have at most 64 files, 8388608 bytes")
     );
     assert_eq!(lens.interfaces[1].medium, Medium::Air);
+    // Catalogues that are left out use up the limit, so that many of them take no longer than one.
+    let bomb = pack(&vec![b' '; 8 << 20], Restart::Fresh);
+    let mut many = archive(&PRESENT, &[("A.ZMX", LENS.as_bytes()), ("OWN.AGF", own)]);
+    for _ in 0..900 {
+        let mut header = member(&OLD, "B.AGF.LZW", b"");
+        header.truncate(OLD.size);
+        header[0x0C..0x10].copy_from_slice(&(bomb.len() as u32).to_le_bytes());
+        many.extend(header);
+        many.extend(&bomb);
+    }
+    let left_out = ok(&many).findings.iter().filter(|finding| finding.statement == "B.AGF").count();
+    assert_eq!(left_out, 1);
 }
 
 #[test]
