@@ -313,7 +313,7 @@ impl<'d, 't> Document<'d, 't> {
 #[cfg(test)]
 mod tests {
     use crate::prescription::{
-        Coating, Fate, Medium, Shape, SurfaceCoating,
+        Coating, Fate, Medium, Shape, SurfaceCoating, read,
         reader::checks::{ok, refused},
     };
 
@@ -389,5 +389,23 @@ mod tests {
         refused(&with("radius = -80.0", "radius = 0"), "16:1", &["surface 2 is aspheric and has radius 0"]);
         let long = format!("[{}]", "0, ".repeat(15));
         refused(&with("[\n  1e-6, # A4\n  -2e-9,\n]", &long), "16:1", &["a term of r^32"]);
+    }
+
+    #[test]
+    fn deep_and_long_texts_are_read_or_refused_at_once() {
+        let depth = 300_000;
+        let [dotted, arrays, tables] =
+            [("a.", "a = 1"), ("[", ""), ("{a=", "")].map(|(part, end)| part.repeat(depth) + end);
+        for text in [
+            dotted.clone(),
+            format!("[{dotted}]\n").replace(" = 1", ""),
+            format!("a = {arrays}"),
+            format!("a = {tables}"),
+            format!("[focus]\n{dotted}"),
+            "[[a]]\n".repeat(depth / 3),
+            format!("x = [{}]", "1,".repeat(depth)),
+        ] {
+            let _ = read("lens.toml", format!("{LENS}\n{text}\n").as_bytes());
+        }
     }
 }
