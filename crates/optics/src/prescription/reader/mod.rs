@@ -1,18 +1,18 @@
-//! The reader of lens files. This module recognises the format of a text. Each format has its own module: the project's
-//! own [`table`], [`optical_bench`] text, [`zemax`] files and their archives ([`zar`]), [`flaresim`] and
-//! [`physical_camera`] files, and [`agf`] catalogues of glass. Every lens format produces rows, from which [`surface_rows`] builds checked interfaces. Files of other programs are not
-//! supported; [`binary`] and [`foreign`] recognise them by their beginning, so that the message names the program
-//! instead of reporting a misread number.
+//! The reader of lens files. This module recognises the format of a text. Each format has its own module: the
+//! project's own [`table`], [`optical_bench`] text, [`zemax`] files and their archives ([`zar`]), [`flaresim`] and
+//! [`physical_camera`] files, and [`agf`] catalogues of glass. Every lens format produces rows, from which
+//! [`surface_rows`] builds checked interfaces. Files of other programs are not supported; [`binary`] and [`foreign`]
+//! recognise them by their beginning, so that the message names the program instead of reporting a misread number.
 //!
 //! To add a format, write a module here that builds a [`Prescription`] from a text, within the limits, with a
 //! `SurfaceRow` for each surface. Add recognition of the format to [`Format::of`], malformed files to the tests of the
 //! module, and a valid file to the files that `tests/abi/fuzz_bodies.rs` mutates. Describe the format in
 //! `docs/lens-format.md` and `docs/lenses.md`.
 //!
-//! A file has at most [`MAX_FILE_BYTES`] bytes (an archive has `MAX_ARCHIVE_BYTES`), `MAX_INTERFACES` interfaces and the same number of glass definitions.
-//! The name of the file and the names of its glasses have at most [`MAX_NAME_BYTES`] bytes. Larger input is refused
-//! before anything is computed from it. No real lens comes near these limits, and a file from elsewhere must not keep
-//! the reader busy.
+//! A file has at most [`MAX_FILE_BYTES`] bytes (an archive has `MAX_ARCHIVE_BYTES`), `MAX_INTERFACES` interfaces and
+//! the same number of glass definitions. The name of the file and the names of its glasses have at most
+//! [`MAX_NAME_BYTES`] bytes. Larger input is refused before anything is computed from it. No real lens comes near
+//! these limits, and a file from elsewhere must not keep the reader busy.
 
 pub(super) mod agf;
 mod flaresim;
@@ -45,8 +45,8 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Prescription, LensFileError> {
 /// Reads the text of a lens file in any format. Glass names are looked up in `library`.
 ///
 /// `name` is the name of the file as the caller knows it; every error message begins with `name`. The text is UTF-8
-/// with or without a byte-order mark, or UTF-16 with a byte-order mark. Comments may be in any encoding. A Zemax archive
-/// is read as the lens in it; the file in the errors of that lens is `name/MEMBER`.
+/// with or without a byte-order mark, or UTF-16 with a byte-order mark. Comments may be in any encoding. A Zemax
+/// archive is read as the lens in it; the file in the errors of that lens is `name/MEMBER`.
 ///
 /// # Errors
 /// The text is not a lens; the error gives the first location at which the text is malformed, and the expected content.

@@ -4,11 +4,11 @@
 //!
 //! There are two kinds of table. **Four columns**, as in the assignment and in pbrt: every row has radius, thickness,
 //! refractive index and clear diameter. **Five columns**, as in Smith's *Modern Lens Design*: a row of glass has
-//! radius, thickness, n_d, V-number and clear diameter; a row of air has radius, thickness and diameter; the row of the
-//! stop has thickness and diameter, perhaps after the word `stop`; and `-` stands for a missing value. A file is of the
-//! second kind if any row has five values. pbrt reads numbers without regard to lines, four for each row, so a table of
-//! four columns may be a list on one line or with one number on each line. In all kinds the last column has radii instead of diameters if a comment
-//! labels it as radii.
+//! radius, thickness, n_d, V-number and clear diameter; a row of air has radius, thickness and diameter; the row of
+//! the stop has thickness and diameter, perhaps after the word `stop`; and `-` stands for a missing value. A file is
+//! of the second kind if any row has five values. pbrt reads numbers without regard to lines, four for each row, so a
+//! table of four columns may be a list on one line or with one number on each line. In all kinds the last column has
+//! radii instead of diameters if a comment labels it as radii.
 
 mod apertures;
 mod coatings;
@@ -125,8 +125,8 @@ fn flat_list(lines: &mut Lines<'_>) {
     }
 }
 
-/// Checks that the thicknesses are those behind the surfaces. Some tables state those in front. In such a table the glass
-/// of the first row, and no other, has thickness 0, and the last row has the thickness of the last glass.
+/// Checks that the thicknesses are those behind the surfaces. Some tables state those in front. In such a table the
+/// glass of the first row, and no other, has thickness 0, and the last row has the thickness of the last glass.
 fn thicknesses_in_front(
     lines: &Lines<'_>,
     table: &[Line<'_>],
