@@ -21,8 +21,10 @@ pub fn run(data: &[u8]) -> bool {
         Ok(prescription) => prescription,
         Err(error) => {
             assert!(error.line >= 1 && error.column >= 1 && !error.message.is_empty());
-            let position = format!("fuzz:{}:{}: ", error.line, error.column);
+            // The file of an error in an archive may be one of its members.
+            let position = format!("{}:{}:{}: ", error.file, error.line, error.column);
             assert!(error.to_string().starts_with(&position), "{error}");
+            assert!(error.file == "fuzz" || error.file.starts_with("fuzz/"), "{error}");
             return false;
         }
     };

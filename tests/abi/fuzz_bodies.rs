@@ -10,13 +10,18 @@ use super::properties;
 
 use proptest::prelude::*;
 
-const FILES: [&[u8]; 12] = [
+const FILES: [&[u8]; 15] = [
     include_bytes!("../../crates/optics/lenses/dgauss.100mm.dat"),
     include_bytes!("../../crates/optics/lenses/dgauss.50mm.dat"),
     include_bytes!("../../crates/optics/lenses/fisheye.10mm.dat"),
     include_bytes!("../../crates/optics/lenses/zoom.24-70mm.dat"),
     include_bytes!("../golden/files/bench.txt"),
     include_bytes!("../golden/files/aspheres.zmx"),
+    include_bytes!("../golden/files/archive.zar"),
+    b"[lens]\nname = \"x\"\nfocal_length = 50.0\ncoating = \"multi\"\n[[surface]]\nradius = 50.0\nthickness = 4\nior = 1.6\nabbe_v = 60.0\n\
+      aperture = 20.0\n[[surface]]\ntype = \"aspheric\"\nradius = -80.0\nthickness = 2\nior = 1.0\naperture = 19.0\nconic = -0.5\n\
+      aspheric_coeffs = [1e-6, -2e-9]\n[[surface]]\ntype = \"stop\"\nradius = 0.0\nthickness = 40.0\nior = 1.0\naperture = 16.0\n",
+    b"# a list, as pbrt reads it\n20 5 1.5 10 0 1 0 8 -20 30 1 10\n",
     b"name: x\nfocal_length: 20\nsurfaces:\n20 5 1.5 60 8 1\n-20 -0.5 1 0 8 0\nstop 18 1 0 3 0\n",
     b"20 5 1.5 10\n-20 -0.5 1 10\nstop 30 1 9\n",
     b"NM N-SK16 2 0 1.62041 60.32\nCD 1.34317774 0.00704687339 0.241144399 0.0229005 0.994317969 92.7508526\n",

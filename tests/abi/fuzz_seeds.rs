@@ -15,8 +15,13 @@ const CATALOGUE: [&[u8]; 5] = [
 
 /// Small lens files, which contain: a focal length; commas; words for planes and stops; glasses by name, by code and by
 /// group; old line endings; an asphere; a zoom in Optical Bench's format; UTF-16; statements of Zemax files; a column
-/// of radii.
-const SMALL: [&[u8]; 13] = [
+/// of radii; an archive; a list of numbers; TOML.
+const SMALL: [&[u8]; 16] = [
+    include_bytes!("../golden/files/archive.zar"),
+    b"[lens]\nname = \"x\"\nfocal_length = 50.0\ncoating = \"multi\"\n[[surface]]\nradius = 50.0\nthickness = 4\nior = 1.6\nabbe_v = 60.0\n\
+      aperture = 20.0\n[[surface]]\ntype = \"aspheric\"\nradius = -80.0\nthickness = 2\nior = 1.0\naperture = 19.0\nconic = -0.5\n\
+      aspheric_coeffs = [1e-6, -2e-9]\n[[surface]]\ntype = \"stop\"\nradius = 0.0\nthickness = 40.0\nior = 1.0\naperture = 16.0\n",
+    b"# a list\n20 5 1.5 10 0 1 0 8 -20 30 1 10\n",
     b"# radius thickness eta aperture_radius\n0.0 2.0 0.0 9.0\n65.0 6.0 517642 11.0\n-65.0 52.0 AIR 11.0\n",
     b"MODE SEQ\nENPD 10\nGCAT SCHOTT\nWAVM 1 0.5875618 1\nSURF 0\n  DISZ INFINITY\nSURF 1\n  STOP\n  CURV 0.02\n  DISZ 4\n  \
       GLAS SCHOTT-BK|N-BK7\n  DIAM 10 1\nSURF 2\n  CURV -0.02\n  DISZ 40\n  DIAM 10 1\nSURF 3\n",

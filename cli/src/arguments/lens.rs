@@ -12,7 +12,7 @@ use realistic_camera::{
 };
 use realistic_optics::imaging::{focus::Conjugates, open::StopSize};
 use realistic_optics::lens::Lens;
-use realistic_optics::prescription::{MAX_FILE_BYTES, Prescription, SurfaceCoating};
+use realistic_optics::prescription::{MAX_ARCHIVE_BYTES, Prescription, SurfaceCoating};
 use std::io::{self, Read as _};
 use std::sync::OnceLock;
 
@@ -116,8 +116,8 @@ pub fn standard_input() -> Result<&'static [u8], String> {
     static READ: OnceLock<io::Result<Vec<u8>>> = OnceLock::new();
     let read = READ.get_or_init(|| {
         let mut bytes = Vec::new();
-        // One byte more than the limit shows that the file is too large.
-        io::stdin().lock().take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes).map(|_| bytes)
+        // One byte more than the limit of the largest kind shows that the file is too large.
+        io::stdin().lock().take(MAX_ARCHIVE_BYTES + 1).read_to_end(&mut bytes).map(|_| bytes)
     });
     read.as_deref().map_err(|error| format!("cannot read a lens from standard input: {error}"))
 }

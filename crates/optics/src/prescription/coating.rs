@@ -35,6 +35,13 @@ impl Coating {
 /// The keyword before the layers of a coating without a name.
 pub const STACK: &str = "stack";
 
+/// Maximum number of layers of a coating without a name, and maximum total thickness of the layers, nm. The tables of a
+/// coated surface grow with the thickness of its coating.
+pub(super) const MOST_LAYERS: usize = 50;
+pub(super) const THICKEST: f64 = 5_000.0;
+/// The largest allowed index of a layer; the smallest is 1.
+pub(super) const DENSEST: f64 = 10.0;
+
 /// A layer of a coating.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layer {

@@ -60,6 +60,10 @@ pub struct LensFileError {
 /// Maximum size of a lens file, in bytes: 1 MiB. Real files have a few thousand bytes.
 pub const MAX_FILE_BYTES: u64 = 1 << 20;
 
+/// Maximum size of an archive of a lens with its catalogues, in bytes: 16 MiB. Its members have the limits of their
+/// kinds.
+pub const MAX_ARCHIVE_BYTES: u64 = 16 << 20;
+
 /// Maximum number of interfaces of a lens, and of glasses that a lens file defines.
 pub const MAX_INTERFACES: usize = 1000;
 

@@ -12,8 +12,11 @@ use thiserror::Error;
 use realistic_base::message::{cut, nearest_or_all};
 
 use super::{
-    LensFileError, MAX_CATALOG_BYTES, MAX_FILE_BYTES, MAX_NAME_BYTES, MAX_PATH_BYTES, catalogue,
-    glass::GlassLibrary, interfaces::Prescription, reader::read_with,
+    LensFileError, MAX_ARCHIVE_BYTES, MAX_CATALOG_BYTES, MAX_FILE_BYTES, MAX_NAME_BYTES, MAX_PATH_BYTES,
+    catalogue,
+    glass::GlassLibrary,
+    interfaces::Prescription,
+    reader::{is_archive, read_with},
 };
 
 /// The directories in which relative names of lens files are searched, in order, after the working directory.
@@ -287,7 +290,10 @@ fn check_length(what: &'static str, name: &str) -> Result<(), SourceError> {
 }
 
 fn read_file(path: &Path, library: GlassLibrary) -> Result<Prescription, SourceError> {
-    let bytes = bytes_of("lens file", path, MAX_FILE_BYTES)?;
+    let mut bytes = bytes_of("lens file", path, MAX_FILE_BYTES)?;
+    if bytes.len() as u64 > MAX_FILE_BYTES && is_archive(&bytes) {
+        bytes = bytes_of("lens file", path, MAX_ARCHIVE_BYTES)?;
+    }
     Ok(read_with(&path.display().to_string(), &bytes, &library.beside(path))?)
 }
 

@@ -1,5 +1,5 @@
-//! Finds a glass by its name: in the catalogue that the user names, in the catalogues beside the lens file, and among
-//! the built-in glasses.
+//! Finds a glass by its name: in the catalogue that the user names, in the catalogues inside the lens's archive and
+//! beside the lens file, and among the built-in glasses.
 
 use std::{
     cell::OnceCell,
@@ -14,10 +14,12 @@ use crate::prescription::{
 use realistic_base::message::{cut, nearest};
 
 /// The glasses that a lens file may name.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct GlassLibrary {
     /// The catalogue that the user gives.
     given: Vec<Catalogue>,
+    /// The catalogues in the archive that holds the lens file.
+    archived: Vec<Catalogue>,
     /// The lens file's directory, if it has one. The catalogues in it are indexed when a glass is first looked up.
     directory: Option<PathBuf>,
     beside: OnceCell<DirectoryCatalogues>,
@@ -62,7 +64,7 @@ impl Name {
 }
 
 /// The catalogues in the directory of a lens file, and a warning for each catalogue left out.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 struct DirectoryCatalogues {
     catalogues: Vec<Catalogue>,
     warnings: Vec<String>,
@@ -77,6 +79,16 @@ impl GlassLibrary {
     pub fn add(&mut self, file: &str, bytes: &[u8]) -> Result<(), LensFileError> {
         self.given.push(Catalogue::new(file, bytes)?);
         Ok(())
+    }
+
+    /// Returns the library with the catalogues of an archive, which precede those beside the archive.
+    pub(in crate::prescription) fn with_archived(&self, archived: Vec<Catalogue>) -> Self {
+        Self { archived, ..self.clone() }
+    }
+
+    /// Returns the catalogues of the archive that holds the lens file.
+    pub(in crate::prescription) fn archived(&self) -> &[Catalogue] {
+        &self.archived
     }
 
     /// Adds the catalogues (`*.agf`) in the directory of `lens_file`.
@@ -96,8 +108,8 @@ impl GlassLibrary {
     }
 
     /// Returns all glasses of that name, as [`find`](Self::find) interprets it. The order of preference is: the user's
-    /// catalogue, the catalogues in `first` (`loose` names, in order), the catalogues beside the lens file, the
-    /// built-in glasses. The iterator reads an entry only when it reaches the entry, so that
+    /// catalogue, the catalogues in `first` (`loose` names, in order), the catalogues in the lens's archive, those beside
+    /// the lens file, the built-in glasses. The iterator reads an entry only when it reaches the entry, so that
     /// [`warnings`](Self::warnings) reports nothing about later entries.
     pub fn candidates<'a>(&'a self, name: &str, first: &[String]) -> impl Iterator<Item = Found> + use<'a> {
         let Name { only, group, own } = Name::of(name);
@@ -113,7 +125,7 @@ impl GlassLibrary {
             .iter()
             .filter(has)
             .map(|file| (Some(0), file.name.as_str(), GlassSource::Catalogue(file)));
-        let beside = self.catalogues_beside().catalogues.iter().filter(has);
+        let beside = self.archived.iter().chain(&self.catalogues_beside().catalogues).filter(has);
         let beside = beside.map(|file| (file.name.as_str(), GlassSource::Catalogue(file)));
         let built_in = built_in::candidates(&own)
             .into_iter()
@@ -176,7 +188,8 @@ impl GlassLibrary {
     /// Returns a warning for each part of the searched catalogues that was left out.
     pub fn warnings(&self) -> Vec<String> {
         let beside = self.beside.get();
-        let files = self.given.iter().chain(beside.iter().flat_map(|beside| &beside.catalogues));
+        let files = self.given.iter().chain(&self.archived);
+        let files = files.chain(beside.iter().flat_map(|beside| &beside.catalogues));
         beside
             .iter()
             .flat_map(|beside| beside.warnings.clone())
@@ -191,7 +204,7 @@ impl GlassLibrary {
     }
 
     fn files(&self) -> impl Iterator<Item = &Catalogue> {
-        self.given.iter().chain(&self.catalogues_beside().catalogues)
+        self.given.iter().chain(&self.archived).chain(&self.catalogues_beside().catalogues)
     }
 }
 

@@ -13,16 +13,17 @@ use crate::prescription::{
 };
 use realistic_base::message::cut;
 
-/// A catalogue: an index of its text by glass name, and the glasses that were looked up.
-#[derive(Debug)]
+/// A catalogue: an index of its text by glass name, and the glasses that were looked up. A clone shares the text and
+/// the index.
+#[derive(Clone, Debug)]
 pub struct Catalogue {
     /// The name of the catalogue in messages.
     file: String,
     /// The name of the file without its extension, as a [`loose`] word. A lens names the catalogue by this word.
     pub name: String,
-    text: String,
+    text: Arc<str>,
     /// The line, counted from 1, and the byte offset at which the entry of each glass begins, by [`loose`] name.
-    index: HashMap<String, [usize; 2]>,
+    index: Arc<HashMap<String, [usize; 2]>>,
     found: RefCell<HashMap<usize, Result<Glass, String>>>,
     /// Warnings about lines that were left out, for the glasses that were looked up.
     warnings: RefCell<Vec<String>>,
@@ -61,8 +62,8 @@ impl Catalogue {
         Ok(Self {
             file: file.to_owned(),
             name,
-            text,
-            index,
+            text: text.into(),
+            index: Arc::new(index),
             found: RefCell::default(),
             warnings: RefCell::default(),
         })
@@ -76,6 +77,16 @@ impl Catalogue {
     /// Returns the number of glasses in the catalogue.
     pub fn len(&self) -> usize {
         self.index.len()
+    }
+
+    /// Returns the name of the catalogue in messages.
+    pub fn file(&self) -> &str {
+        &self.file
+    }
+
+    /// Returns whether a glass of the catalogue was looked up.
+    pub fn is_used(&self) -> bool {
+        !self.found.borrow().is_empty()
     }
 
     /// Returns whether the catalogue has a glass with this [`loose`] name.

@@ -69,6 +69,11 @@ impl<'t> Ledger<'t> {
         self.add(fate, Some(location), statement, surface, reason.into(), true);
     }
 
+    /// Records a fate as [`Self::note`] does, for something that belongs to no line of the text.
+    pub(super) fn note_of_file(&mut self, fate: Fate, statement: &str, reason: &str) {
+        self.add(fate, None, statement, None, reason.to_owned(), false);
+    }
+
     /// Records a fate as [`Self::warn`] does, for something that belongs to no particular line.
     pub(super) fn warn_of_file(&mut self, fate: Fate, statement: &str, reason: impl Into<String>) {
         self.add(fate, None, statement, None, reason.into(), true);

@@ -1,27 +1,29 @@
-//! The reader of lens files. This module recognises the format of a text. Each format has its own module: the project's
-//! own [`table`], [`optical_bench`] text, [`zemax`] and [`flaresim`] files, and [`agf`] catalogues of glass. Every lens
-//! format produces rows, from which [`surface_rows`] builds checked interfaces. Files of other programs are not
-//! supported; [`binary`] and [`foreign`] recognise them by their beginning, so that the message names the program
-//! instead of reporting a misread number.
+//! The reader of lens files. This module recognises the format of a text. Each format has its own module: the
+//! project's own [`table`], [`optical_bench`] text, [`zemax`] files and their archives ([`zar`]), [`flaresim`] and
+//! [`physical_camera`] files, and [`agf`] catalogues of glass. Every lens format produces rows, from which
+//! [`surface_rows`] builds checked interfaces. Files of other programs are not supported; [`binary`] and [`foreign`]
+//! recognise them by their beginning, so that the message names the program instead of reporting a misread number.
 //!
 //! To add a format, write a module here that builds a [`Prescription`] from a text, within the limits, with a
 //! `SurfaceRow` for each surface. Add recognition of the format to [`Format::of`], malformed files to the tests of the
 //! module, and a valid file to the files that `tests/abi/fuzz_bodies.rs` mutates. Describe the format in
 //! `docs/lens-format.md` and `docs/lenses.md`.
 //!
-//! A file has at most [`MAX_FILE_BYTES`] bytes, `MAX_INTERFACES` interfaces and the same number of glass definitions.
-//! The name of the file and the names of its glasses have at most [`MAX_NAME_BYTES`] bytes. Larger input is refused
-//! before anything is computed from it. No real lens comes near these limits, and a file from elsewhere must not keep
-//! the reader busy.
+//! A file has at most [`MAX_FILE_BYTES`] bytes (an archive has `MAX_ARCHIVE_BYTES`), `MAX_INTERFACES` interfaces and
+//! the same number of glass definitions. The name of the file and the names of its glasses have at most
+//! [`MAX_NAME_BYTES`] bytes. Larger input is refused before anything is computed from it. No real lens comes near
+//! these limits, and a file from elsewhere must not keep the reader busy.
 
 pub(super) mod agf;
 mod flaresim;
 mod ledger;
 mod named_glass;
 mod optical_bench;
+mod physical_camera;
 mod surface_rows;
 mod table;
 mod text;
+mod zar;
 mod zemax;
 
 use super::{
@@ -30,6 +32,7 @@ use super::{
 use ledger::Ledger;
 use realistic_base::message::{counted, cut, folded};
 use text::Text;
+pub(super) use zar::is_archive;
 
 /// Reads the text of a lens file in any format. Glass names are looked up among the built-in glasses.
 ///
@@ -42,7 +45,8 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<Prescription, LensFileError> {
 /// Reads the text of a lens file in any format. Glass names are looked up in `library`.
 ///
 /// `name` is the name of the file as the caller knows it; every error message begins with `name`. The text is UTF-8
-/// with or without a byte-order mark, or UTF-16 with a byte-order mark. Comments may be in any encoding.
+/// with or without a byte-order mark, or UTF-16 with a byte-order mark. Comments may be in any encoding. A Zemax
+/// archive is read as the lens in it; the file in the errors of that lens is `name/MEMBER`.
 ///
 /// # Errors
 /// The text is not a lens; the error gives the first location at which the text is malformed, and the expected content.
@@ -54,6 +58,9 @@ pub fn read_with(name: &str, bytes: &[u8], library: &GlassLibrary) -> Result<Pre
         let message =
             format!("the lens's name has {} bytes; a name has at most {MAX_NAME_BYTES}", short_name.len());
         return Err(LensFileError { file: cut(&short_name), line: 1, column: 1, message });
+    }
+    if is_archive(bytes) {
+        return Ok(Prescription { name: short_name, ..zar::read(name, bytes, library)? });
     }
     if let Some(within) = bytes.get(..MAX_FILE_BYTES as usize).filter(|within| within.len() < bytes.len()) {
         let line_start = within.iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end + 1);
@@ -67,17 +74,23 @@ pub fn read_with(name: &str, bytes: &[u8], library: &GlassLibrary) -> Result<Pre
     let bytes = text::decoded(bytes);
     let text = Text::new(name, &bytes);
     let mut ledger = Ledger::of(&text);
-    let mut lens = match Format::of(&bytes) {
+    let lens = match Format::of(&bytes) {
         Format::Table => table::read(name, &bytes, library, &mut ledger),
         Format::OpticalBench => optical_bench::read(&text, library, &mut ledger),
-        Format::Zemax => zemax::read(&text, library, &mut ledger),
+        Format::Zemax => zemax::read(&text, library, None, &mut ledger),
         Format::FlareSim => flaresim::read(&text, &mut ledger),
+        Format::PhysicalCamera => physical_camera::read(&text, &mut ledger),
         Format::Foreign(message) => Err(LensFileError { file: name.to_owned(), line: 1, column: 1, message }),
     }?;
+    Ok(Prescription { name: short_name, ..finished(lens, ledger, library) })
+}
+
+/// Returns a lens with the findings and warnings of its file.
+fn finished(mut lens: Prescription, mut ledger: Ledger<'_>, library: &GlassLibrary) -> Prescription {
     keep_paired_positions(&mut lens, &mut ledger);
     let (findings, warnings) = ledger.close();
     lens.remarks = folded(&[warnings, lens.remarks, library.warnings()].concat());
-    Ok(Prescription { name: short_name, findings: findings.into(), ..lens })
+    Prescription { findings: findings.into(), ..lens }
 }
 
 /// Leaves out the positions that do not pair, and puts the others in the order of `Positions::layout`.
@@ -107,6 +120,7 @@ enum Format {
     OpticalBench,
     Zemax,
     FlareSim,
+    PhysicalCamera,
     /// A glass catalogue or a file of another program, with the message that says so.
     Foreign(String),
 }
@@ -135,7 +149,10 @@ impl Format {
                 None
             }
         };
-        let unknown = || foreign(bytes).map_or(Self::Table, Self::Foreign);
+        let unknown = || match is_toml(bytes.trim_ascii_start()) && physical_camera::is_lens(bytes) {
+            true => Self::PhysicalCamera,
+            false => foreign(bytes).map_or(Self::Table, Self::Foreign),
+        };
         lines.into_iter().find_map(known).unwrap_or_else(unknown)
     }
 }
@@ -148,17 +165,14 @@ fn short_name(name: &str) -> String {
 
 /// The supported formats, for messages about other files.
 const READ: &str = "read are a table with a line for each surface (radius, thickness, index and clear diameter in mm: \
-                    docs/lens-format.md), Optical Bench text, Zemax text (.zmx) and FlareSim text (.lens); export one of these";
+                    docs/lens-format.md), Optical Bench text, Zemax text (.zmx) and archives (.zar), FlareSim text \
+                    (.lens) and Physical Camera's lenses (.toml); export one of these";
 
 /// Recognises, by its first bytes, a file that is not text, or a file that only refers to another file.
 fn binary(bytes: &[u8]) -> Option<&'static str> {
     const POINTER: &[u8] = b"version https://git-lfs.github.com/spec/";
     match bytes {
-        // An archive begins with its version.
-        [0xEA, 0x00, ..] | [0xEC, 0x03, ..] => Some(
-            "a Zemax archive (.zar), and archives are not read: open it in OpticStudio (File, Load Archive) and give the \
-             .zmx file that it holds, its glass catalogues (.agf) beside it",
-        ),
+        _ if is_archive(bytes) => Some("a Zemax archive (.zar) in an archive; give the inner one by itself"),
         [b'Z', b'o', b'S', 0, ..] => {
             Some("a binary file of OpticStudio (.zos), which is not read: save it there as Zemax text (.zmx)")
         }
@@ -177,7 +191,7 @@ fn foreign(bytes: &[u8]) -> Option<String> {
     let start = bytes.trim_ascii_start();
     let json = |byte: &u8| matches!(byte, b'{' | b'[' | b'"' | b'-' | b'0'..=b'9');
     let what = match start {
-        _ if is_toml(start) => "TOML, and no lens is read from TOML",
+        _ if is_toml(start) => "TOML without the tables [lens] and [[surface]] of Physical Camera",
         [b'{', ..] => "JSON, and no lens is read from JSON",
         [b'[', rest @ ..] if rest.trim_ascii_start().first().is_some_and(json) => {
             "JSON, and no lens is read from JSON"
@@ -251,7 +265,7 @@ mod tests {
             (b" {\"surfaces\": []}", "JSON"),
             (b"[ [20, 5, 1.5]]", "JSON"),
             (b"[[20, 5, 1.5]]", "JSON"),
-            (b"[lens]\nname = \"doublet\"\n\n[[surface]]\nradius = 50.0\n", "TOML"),
+            (b"[lens]\nname = \"doublet\"\n\n[[surfaces]]\nradius = 50.0\n", "TOML"),
             (b"# a lens\n[[surface]] # front\nradius = 50.0\n", "TOML"),
             (b"name = \"doublet\"\n[[surface]]\n", "TOML"),
             (b"<?xml version=\"1.0\"?>", "XML"),
@@ -266,10 +280,28 @@ mod tests {
     }
 
     #[test]
+    fn a_zos_file_that_is_text_in_utf_16_is_a_zemax_lens() {
+        let text = "VERS 200831 258\r\nMODE SEQ\r\nFLOA\r\nSURF 0\r\n  DISZ INFINITY\r\nSURF 1\r\n  STOP\r\n  CURV 0.02\r\n\
+            DISZ 4\r\n  GLAS N-BK7 0 0\r\n  DIAM 5 1\r\nSURF 2\r\n  CURV -0.02\r\n  DISZ 48\r\n  DIAM 5 1\r\nSURF 3\r\n";
+        let plain = read("lens.zmx", text.as_bytes()).expect("a lens");
+        let units = || std::iter::once(0xFEFF).chain(text.encode_utf16());
+        for bytes in [
+            units().flat_map(u16::to_le_bytes).collect::<Vec<u8>>(),
+            units().flat_map(u16::to_be_bytes).collect(),
+        ] {
+            let lens = read("lens.zos", &bytes).expect("a lens");
+            assert_eq!((lens.interfaces, lens.glasses), (plain.interfaces.clone(), plain.glasses.clone()));
+        }
+    }
+
+    #[test]
     fn files_that_are_no_text_are_told_by_their_first_bytes() {
         for (bytes, what) in [
-            (&b"\xEC\x03\0\0\0\0\0\0\x01\0\0\0\x01\0\0\0\xAB\x0B\0\0\0\0\0\0"[..], "a Zemax archive (.zar)"),
-            (b"\xEA\0\0\0\nSURF 0\n", "a Zemax archive (.zar)"),
+            (
+                &b"\xEC\x03\0\0\0\0\0\0\x01\0\0\0\x01\0\0\0\xAB\x0B\0\0\0\0\0\0"[..],
+                "the Zemax archive is damaged: the header of member 1",
+            ),
+            (b"\xEA\0\0\0\nSURF 0\n", "the Zemax archive is damaged: the header of member 1"),
             (b"ZoS\0\x01\0\0\0\x01\0\0\0", "a binary file of OpticStudio (.zos)"),
             (b"PK\x03\x04", "a zip archive"),
             (b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 5529\n", "a Git LFS pointer"),

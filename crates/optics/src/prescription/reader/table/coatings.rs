@@ -3,7 +3,7 @@
 use super::lines::Lines;
 use crate::prescription::{
     LensFileError, MAX_INTERFACES,
-    coating::{Coating, Layer, STACK, SurfaceCoating},
+    coating::{Coating, DENSEST, Layer, MOST_LAYERS, STACK, SurfaceCoating, THICKEST},
     glass::VALID_WAVELENGTHS,
     interfaces::{Interface, Medium, has_coating},
     reader::text::Cell,
@@ -15,13 +15,6 @@ const FORM: &str = "a coating is: coating ROW NAME at=NM, or coating ROW stack I
 
 /// The word that stands for all rows, in place of a row's number.
 const ALL: &str = "all";
-
-/// Maximum number of layers of a stack, and maximum total thickness of the layers, nm. The tables of a coated surface
-/// grow with the thickness of its coating.
-const MOST_LAYERS: usize = 50;
-const THICKEST: f64 = 5_000.0;
-/// The largest allowed index of a layer; the smallest is 1.
-const DENSEST: f64 = 10.0;
 
 /// A coating line: the word that states its rows, and the coating of these rows.
 pub(super) type CoatingLine<'t> = (Cell<'t>, SurfaceCoating);

@@ -145,6 +145,11 @@ impl<'t> Lines<'t> {
         Some((Location { line: *line, column: 1 }, message))
     }
 
+    /// Returns whether commas of the file are probably decimal commas.
+    pub(super) fn has_decimal_comma(&self) -> bool {
+        self.decimal_comma.is_some()
+    }
+
     /// Checks the number of lines of one kind against its maximum.
     pub(super) fn at_most(&self, lines: &[Line<'_>], most: usize, limit: &str) -> Result<(), LensFileError> {
         lines.get(most).map_or(Ok(()), |beyond| {

@@ -4,10 +4,11 @@
 //!
 //! There are two kinds of table. **Four columns**, as in the assignment and in pbrt: every row has radius, thickness,
 //! refractive index and clear diameter. **Five columns**, as in Smith's *Modern Lens Design*: a row of glass has
-//! radius, thickness, n_d, V-number and clear diameter; a row of air has radius, thickness and diameter; the row of the
-//! stop has thickness and diameter, perhaps after the word `stop`; and `-` stands for a missing value. A file is of the
-//! second kind if any row has five values. In both kinds the last column has radii instead of diameters if a comment
-//! labels it as radii.
+//! radius, thickness, n_d, V-number and clear diameter; a row of air has radius, thickness and diameter; the row of
+//! the stop has thickness and diameter, perhaps after the word `stop`; and `-` stands for a missing value. A file is
+//! of the second kind if any row has five values. pbrt reads numbers without regard to lines, four for each row, so a
+//! table of four columns may be a list on one line or with one number on each line. In all kinds the last column has
+//! radii instead of diameters if a comment labels it as radii.
 
 mod apertures;
 mod coatings;
@@ -17,9 +18,15 @@ mod lines;
 mod rows;
 mod statements;
 
-use super::{ledger::Ledger, surface_rows, text::Cell};
+use super::{
+    ledger::Ledger,
+    surface_rows::{self, SurfaceRow},
+    text::Cell,
+};
 use crate::prescription::{
-    Fate, LensFileError, MAX_INTERFACES, glass::GlassLibrary, interfaces::Prescription,
+    Fate, LensFileError, MAX_INTERFACES,
+    glass::GlassLibrary,
+    interfaces::{Medium, Prescription},
 };
 use columns::TableColumns;
 use glasses::Glasses;
@@ -46,6 +53,7 @@ pub(super) fn read(
     let in_front = statements::medium(&mut lines, &glasses, ledger)?;
     let wavelength = statements::wavelength(&mut lines)?;
     let columns = TableColumns::take(&mut lines)?;
+    flat_list(&mut lines);
     misspelt_keyword(&lines)?;
     heading(&lines)?;
     let (mut stated_focal_length, table) = leading_focal_length(&lines)?;
@@ -58,6 +66,7 @@ pub(super) fn read(
     } else {
         table.iter().map(|line| rows::of_four(&lines, &glasses, line)).collect::<Result<Vec<_>, _>>()
     }?;
+    thicknesses_in_front(&lines, table, &rows)?;
     if let Some((location, message)) = lines.radius_column_remark() {
         ledger.warn(Fate::Replaced, location, "heading", None, message);
         rows.iter_mut().for_each(|row| row.diameter *= 2.0);
@@ -99,6 +108,47 @@ pub(super) fn read(
         Some(if word.starts_with(|c: char| c.is_ascii_alphabetic()) { word } else { "row" })
     });
     Ok(lens)
+}
+
+/// Divides a list of numbers into rows of four, if the lines are no rows: all numbers are on one line, or each has a
+/// line. The indices and the diameters must be possible, so that a list of other columns is not taken for one of four.
+fn flat_list(lines: &mut Lines<'_>) {
+    let words = lines.lines.concat();
+    let is_list = lines.lines.len() == 1 || lines.lines.len() == words.len();
+    let rows = words.chunks(4);
+    let is_row = |row: &[Cell<'_>]| match row.iter().filter_map(Cell::number).collect::<Vec<_>>()[..] {
+        [_, _, index, diameter] => (index == 0.0 || (1.0..=4.0).contains(&index)) && diameter > 0.0,
+        _ => false,
+    };
+    if is_list && words.len() > 4 && !lines.has_decimal_comma() && rows.clone().all(is_row) {
+        lines.lines = rows.map(<[Cell<'_>]>::to_vec).collect();
+    }
+}
+
+/// Checks that the thicknesses are those behind the surfaces. Some tables state those in front. In such a table the
+/// glass of the first row, and no other, has thickness 0, and the last row has the thickness of the last glass.
+fn thicknesses_in_front(
+    lines: &Lines<'_>,
+    table: &[Line<'_>],
+    rows: &[SurfaceRow],
+) -> Result<(), LensFileError> {
+    let is_glass = |row: &SurfaceRow| row.behind.medium != Medium::Air;
+    let [first, inner @ .., before, last] = rows else { return Ok(()) };
+    let others = || inner.iter().chain([before, last]);
+    let is_sign = is_glass(first)
+        && first.thickness == 0.0
+        && is_glass(before)
+        && last.thickness > 0.0
+        && others().count() > 2
+        && others().all(|row| !is_glass(row) || row.thickness > 0.0);
+    if !is_sign {
+        return Ok(());
+    }
+    Err(lines.error(
+        &table[0][1],
+        "the first glass has thickness 0 and no other has, as where thicknesses are those in front of the surfaces; a \
+         thickness is that behind: write each in the row before its own (or 1e-9 for a glass that thin)",
+    ))
 }
 
 /// Splits off the first line if it has only a focal length. Returns that length and the remaining lines of the table.

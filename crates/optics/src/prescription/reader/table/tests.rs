@@ -39,6 +39,48 @@ fn spellings_of_one_table_agree() {
 }
 
 #[test]
+fn a_list_of_numbers_is_rows_of_four() {
+    // As pbrt reads them: comments, and numbers without regard to lines.
+    let rows = "29 3.5 1.67 25\n84 0.1 1 25\n0 4.5 0 17\n-14 1.2 1.6 17\n-20 0 1 20\n";
+    let lens = ok(&format!("# radius\taxpos\tN\taperture\n{rows}"));
+    assert_eq!((lens.stop_index(), lens.nominal_film_distance), (Some(2), None));
+    assert_eq!(lens.interfaces[0].semi_diameter, 12.5);
+    for separator in [" ", "\n", "\r\n", "\n# next\n", ", "] {
+        let numbers: Vec<&str> = rows.split_whitespace().collect();
+        let list = ok(&format!("# a lens\n{} # end\n", numbers.join(separator)));
+        assert_eq!(list.interfaces, lens.interfaces, "{separator:?}");
+        assert!(list.findings.iter().all(|finding| finding.fate >= crate::prescription::Fate::Informative));
+    }
+    // Other lines stay what they are.
+    assert_eq!(ok(&format!("{}\nstop 1\n", SINGLET.replace('\n', " "))).stop_index(), Some(0));
+    refused("20 5 1.5 10 -20 30 1", "1:1", &["7 value(s); a row has four values"]);
+    refused("20 5 1.5 10 -20 30 1 10 9", "1:1", &["9 value(s)"]);
+    refused("20 5 1.5 10 -20 30 N-BK7 10", "1:1", &["8 value(s)"]);
+    refused("20 5 1.6 60 10 -20 1 1.7 30 10 5 5", "1:1", &["12 value(s)"]);
+    refused("20 5 1.5 10 -20 30 1 10\n1 2 3 4", "1:1", &["8 value(s)"]);
+    refused("20,0 5,0 1,5 10,0", "1:1", &["8 value(s)", "a decimal comma on line 1?"]);
+    refused("50\n20\n5\n1.5\n10\n", "2:1", &["1 value(s)"]);
+    refused("20 5 1.5 10 -20 -30 1 10", "1:13", &["thickness -30 mm"]);
+}
+
+#[test]
+fn a_table_of_thicknesses_in_front_of_the_surfaces_is_refused() {
+    let front = "50 0 1.5 20\n-50 4 1 20\n0 3 0 12\n-20 5 1.6 20\n-30 2 1 20\n";
+    refused(
+        front,
+        "1:4",
+        &["the first glass has thickness 0", "in front of the surfaces", "in the row before"],
+    );
+    ok(&front.replacen("50 0 1.5", "50 1e-9 1.5", 1));
+    // Thin lenses.
+    ok("50 0 1.5 20\n-50 48 1 20\n");
+    ok("50 0 1.5 20\n-50 4 1 20\n0 3 0 12\n-20 0 1.6 20\n-30 2 1 20\n");
+    ok("50 4 1.5 20\n-50 3 1 20\n0 5 0 12\n-20 2 1.6 20\n-30 0 1 20\n");
+    // A surface in air may touch the next one.
+    ok("50 0 1 20\n50 4 1.5 20\n-50 50 1 20\n");
+}
+
+#[test]
 fn the_first_comment_is_the_title_and_focal_length_is_kept() {
     let lens = ok(b"#\n# A singlet \n50\n20 5 1.5 10\n-20 0 1 10");
     assert_eq!(lens.title.as_deref(), Some("A singlet"));

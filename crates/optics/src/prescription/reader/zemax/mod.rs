@@ -5,12 +5,13 @@
 //! or in air, has the size that follows from the file's aperture.
 //!
 //! `blocks` splits the text into records. `general` reads the records of the whole lens, and `surface` reads the
-//! records of a block. `aperture` derives missing semi-diameters by paraxial rays. `shapes` reads the apertures of
+//! records of a block. `coating_file` reads the file of coatings that an archive includes. `aperture` derives missing semi-diameters by paraxial rays. `shapes` reads the apertures of
 //! surfaces. `statements` records the fate of
 //! every line.
 
 mod aperture;
 mod blocks;
+mod coating_file;
 mod general;
 mod shapes;
 mod statements;
@@ -30,6 +31,7 @@ use crate::prescription::{
 };
 use aperture::{Aperture, Paraxial, farthest};
 use blocks::{Block, Blocks};
+pub(super) use coating_file::CoatingFile;
 use general::{Configurations, Operand};
 use realistic_base::message::{cut, short};
 use surface::ZemaxSurface;
@@ -45,13 +47,14 @@ const FAR: f64 = 1e9;
 /// Negative thicknesses of a magnitude below this value, mm, are rounding errors and are set to 0.
 const ROUNDING: f64 = 1e-4;
 
-/// Reads a lens from a text.
+/// Reads a lens from a text. `coating_file` has the recipes of its coatings, if they are known.
 ///
 /// # Errors
 /// The text is not a lens, or is a lens that cannot be traced; the error gives the first location with a fault.
 pub(super) fn read(
     text: &Text<'_>,
     library: &GlassLibrary,
+    coating_file: Option<&CoatingFile>,
     ledger: &mut Ledger<'_>,
 ) -> Result<Prescription, LensFileError> {
     let blocks = Blocks::of(text)?;
@@ -161,7 +164,9 @@ pub(super) fn read(
     }
     interfaces[last].thickness = 0.0;
     let effective_blocks: Vec<_> = effective.iter().map(|&i| &own[i]).collect();
-    let coatings = surface::coatings(&effective_blocks, in_front.medium, &interfaces, wavelength, ledger);
+    let object = in_front.medium;
+    let coatings =
+        surface::coatings(&effective_blocks, object, &interfaces, wavelength, coating_file, ledger);
     let mut positions = positions(text, &thicknesses, &gaps, &stop_sizes, first_location)?;
     surface_rows::positions_in_order(in_front.medium, &interfaces, positions.as_ref(), &at)?;
     let (glasses, remarks) = glasses.glasses_and_warnings(text.file);

@@ -1,11 +1,12 @@
 //! A surface of the file: reads its curvature, figure, glass and coating, and refuses unsupported surfaces.
 //!
-//! A coating is a name (`COAT NAME`). The file's program keeps the recipes in a separate file (COATING.DAT), which is
-//! not read. Names in the sample file of that program select the coatings here that have the same layers; other names
-//! are reported.
+//! A coating is a name (`COAT NAME`). The file's program keeps the recipes in a separate file (COATING.DAT), which an
+//! archive includes. Without that file, names in the sample file of that program select the coatings here that have the
+//! same layers; other names are reported.
 
 use super::{
     blocks::{Block, Record},
+    coating_file::CoatingFile,
     shapes,
 };
 use crate::prescription::{
@@ -282,37 +283,79 @@ const COATINGS: [(&str, Coating); 5] = [
     ("hear1", Coating::ThreeLayer),
 ];
 
+/// The reason recorded when the indices of a coating's layers are taken at one wavelength.
+const ONE_INDEX: &str = "the layers have their indices at the primary wavelength, at every wavelength";
+
 /// Returns the coatings of the interfaces, which correspond to `blocks`, with layers in waves of `wavelength`, nm.
-/// Returns `None` if the file names no coating. Warnings about unsupported coatings go to `ledger`.
+/// Definitions in `file` precede names known here. Returns `None` if the lens names no coating. Warnings about
+/// unsupported coatings go to `ledger`.
 pub(super) fn coatings(
     blocks: &[&Block<'_>],
     object: Medium,
     interfaces: &[Interface],
     wavelength: f64,
+    file: Option<&CoatingFile>,
     ledger: &mut Ledger<'_>,
 ) -> Option<Vec<SurfaceCoating>> {
     let mut names_any = false;
     let coatings = blocks.iter().zip(has_coating(object, interfaces)).map(|(block, can_have)| {
-        let named = |coating| SurfaceCoating::Named { coating, wavelength };
-        let bare = named(Coating::Bare);
+        let bare = SurfaceCoating::Named { coating: Coating::Bare, wavelength };
         let Some(name) = block.find("COAT").and_then(|record| record.word(0)) else { return bare };
         names_any = true;
-        let known = Coating::NAMES.iter().chain(&COATINGS);
-        let known = known.into_iter().find(|(known, _)| name.is(known));
-        let message = match known {
-            Some((_, Coating::Bare)) => return bare,
-            Some((_, coating)) if can_have => return named(*coating),
-            Some(_) => format!(
-                "coating {name} is left out: the surface is not between air and glass, where coatings are"
-            ),
-            None => format!(
-                "coating {name} is known to the file's program alone, and the surface is bare. {} are known here",
-                quoted(&Coating::NAMES.iter().chain(&COATINGS).map(|(name, _)| *name).collect::<Vec<_>>())
-            ),
+        let (coating, is_one_index) = match coating(name.text, wavelength, file) {
+            Ok(known) => known,
+            Err(why) => {
+                ledger.warn(Fate::LeftOut, name.location, "COAT", Some(block.number), why);
+                return bare;
+            }
         };
-        ledger.warn(Fate::LeftOut, name.location, "COAT", Some(block.number), message);
-        bare
+        if coating.is_bare() {
+            return bare;
+        }
+        if !can_have {
+            let message = format!(
+                "coating {name} is left out: the surface is not between air and glass, where coatings are"
+            );
+            ledger.warn(Fate::LeftOut, name.location, "COAT", Some(block.number), message);
+            return bare;
+        }
+        if is_one_index {
+            ledger.note(Fate::Replaced, name.location, "COAT", Some(block.number), ONE_INDEX);
+        }
+        coating
     });
     let coatings = coatings.collect();
     names_any.then_some(coatings)
+}
+
+/// Returns the coating of a name, and whether its layers have an index for one wavelength only, although the file gives
+/// several.
+///
+/// # Errors
+/// The coating is unknown or not supported; the text says so.
+fn coating(
+    name: &str,
+    wavelength: f64,
+    file: Option<&CoatingFile>,
+) -> Result<(SurfaceCoating, bool), String> {
+    let defined = file.and_then(|file| Some((file.layers(name, wavelength)?, &file.file)));
+    match defined {
+        Some((Ok(found), _)) => return Ok((SurfaceCoating::Stack(found.layers), found.is_dispersive)),
+        Some((Err(why), file)) => {
+            return Err(format!(
+                "coating {} of {file} is not read, and the surface is bare: {why}",
+                cut(name)
+            ));
+        }
+        None => {}
+    }
+    let known = || Coating::NAMES.iter().chain(&COATINGS);
+    match known().find(|(known, _)| name.eq_ignore_ascii_case(known)) {
+        Some((_, coating)) => Ok((SurfaceCoating::Named { coating: *coating, wavelength }, false)),
+        None => Err(format!(
+            "coating {} is known to the file's program alone, and the surface is bare. {} are known here",
+            cut(name),
+            quoted(&known().map(|(name, _)| *name).collect::<Vec<_>>())
+        )),
+    }
 }
