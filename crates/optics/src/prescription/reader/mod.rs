@@ -1,5 +1,5 @@
 //! The reader of lens files. This module recognises the format of a text. Each format has its own module: the project's
-//! own [`table`], [`optical_bench`] text, [`zemax`] and [`flaresim`] files, and [`agf`] catalogues of glass. Every lens
+//! own [`table`], [`optical_bench`] text, [`zemax`], [`flaresim`] and [`json`] files, and [`agf`] catalogues of glass. Every lens
 //! format produces rows, from which [`surface_rows`] builds checked interfaces. Files of other programs are not
 //! supported; [`binary`] and [`foreign`] recognise them by their beginning, so that the message names the program
 //! instead of reporting a misread number.
@@ -16,9 +16,11 @@
 
 pub(super) mod agf;
 mod flaresim;
+mod json;
 mod ledger;
 mod named_glass;
 mod optical_bench;
+mod sequential;
 mod surface_rows;
 mod table;
 mod text;
@@ -72,6 +74,7 @@ pub fn read_with(name: &str, bytes: &[u8], library: &GlassLibrary) -> Result<Pre
         Format::OpticalBench => optical_bench::read(&text, library, &mut ledger),
         Format::Zemax => zemax::read(&text, library, &mut ledger),
         Format::FlareSim => flaresim::read(&text, &mut ledger),
+        Format::Json => json::read(&text, library, &mut ledger),
         Format::Foreign(message) => Err(LensFileError { file: name.to_owned(), line: 1, column: 1, message }),
     }?;
     keep_paired_positions(&mut lens, &mut ledger);
@@ -107,6 +110,7 @@ enum Format {
     OpticalBench,
     Zemax,
     FlareSim,
+    Json,
     /// A glass catalogue or a file of another program, with the message that says so.
     Foreign(String),
 }
@@ -135,7 +139,11 @@ impl Format {
                 None
             }
         };
-        let unknown = || foreign(bytes).map_or(Self::Table, Self::Foreign);
+        let unknown = || match foreign(bytes) {
+            Some(message) => Self::Foreign(message),
+            None if json::is_json(bytes) => Self::Json,
+            None => Self::Table,
+        };
         lines.into_iter().find_map(known).unwrap_or_else(unknown)
     }
 }
@@ -148,7 +156,8 @@ fn short_name(name: &str) -> String {
 
 /// The supported formats, for messages about other files.
 const READ: &str = "read are a table with a line for each surface (radius, thickness, index and clear diameter in mm: \
-                    docs/lens-format.md), Optical Bench text, Zemax text (.zmx) and FlareSim text (.lens); export one of these";
+                    docs/lens-format.md), Optical Bench text, Zemax text (.zmx), FlareSim text (.lens), and JSON of LensHH (.lhlt), \
+                    RayOptics (.roa), Optiland, DeepLens and ghostlight (.lens); export one of these";
 
 /// Recognises, by its first bytes, a file that is not text, or a file that only refers to another file.
 fn binary(bytes: &[u8]) -> Option<&'static str> {
@@ -175,13 +184,8 @@ fn binary(bytes: &[u8]) -> Option<&'static str> {
 /// Recognises a text written for another program.
 fn foreign(bytes: &[u8]) -> Option<String> {
     let start = bytes.trim_ascii_start();
-    let json = |byte: &u8| matches!(byte, b'{' | b'[' | b'"' | b'-' | b'0'..=b'9');
     let what = match start {
         _ if is_toml(start) => "TOML, and no lens is read from TOML",
-        [b'{', ..] => "JSON, and no lens is read from JSON",
-        [b'[', rest @ ..] if rest.trim_ascii_start().first().is_some_and(json) => {
-            "JSON, and no lens is read from JSON"
-        }
         [b'<', ..] => "XML, and no lens is read from XML",
         _ => by_commands(start)?,
     };

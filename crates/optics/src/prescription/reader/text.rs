@@ -46,6 +46,11 @@ impl<'a> Text<'a> {
         Self { file, text: as_str(bytes) }
     }
 
+    /// Returns the whole text.
+    pub(super) fn whole(&self) -> &str {
+        &self.text
+    }
+
     /// Returns the lines, counted from 1. They end in LF, in CR LF or, in old files, in CR alone.
     pub(super) fn lines(&self) -> impl Iterator<Item = (usize, &str)> {
         let end = if self.text.contains('\n') { '\n' } else { '\r' };
