@@ -1,6 +1,6 @@
-//! DeepLens: `surfaces`, scene side first, each with its type, its semi-diameter `r`, its radius `roc` or curvature `c`,
-//! the material behind it (`mat2`: air, a glass's name, or `n_d/V`) and the distance to the next surface (`d_next`), the
-//! last one to the sensor. The terms `ai` begin with r^2. A key in parentheses is a comment. Lengths are in mm.
+//! DeepLens: `surfaces`, scene side first. Each has its type, its semi-diameter `r`, its radius `roc` or curvature `c`,
+//! the material behind it (`mat2`: air, a glass's name, or `n_d/V`) and the distance to the next surface (`d_next`),
+//! the last one to the sensor. The terms `ai` begin with r^2. A key in parentheses is a comment. Lengths are in mm.
 
 use super::{
     NamedGlasses, Part, REVOLUTION, by_name, by_numbers, check_count, curvature, document::Node,
@@ -69,6 +69,7 @@ pub(super) fn read(
     }
     let lens = SequentialLens {
         object: Medium::Air.into(),
+        object_place: root.node.location,
         object_distance: f64::INFINITY,
         surfaces,
         thicknesses,

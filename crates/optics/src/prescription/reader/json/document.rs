@@ -1,6 +1,6 @@
 //! A JSON text as a tree of values, each with its place in the file.
 //!
-//! `serde_json` checks the text. Python and C# write `Infinity`, `-Infinity` and `NaN` without quotes, which is no JSON;
+//! `serde_json` checks the text. Python writes `Infinity`, `-Infinity` and `NaN` without quotes, which is no JSON;
 //! strings of the same length replace them beforehand, so that places stay the same.
 
 use std::{borrow::Cow, cell::Cell, collections::HashSet};

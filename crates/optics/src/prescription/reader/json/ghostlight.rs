@@ -28,6 +28,10 @@ pub(super) const NO_EFFECT: NoEffect = &[
             "id",
             "metadata",
             "version",
+            "minor",
+            "version.minor",
+            "elements",
+            "pivot_point",
             "catalogue_ref",
             "description",
             "author",
@@ -70,6 +74,7 @@ pub(super) fn read(root: Part<'_>, ledger: &mut Ledger<'_>) -> Result<Prescripti
     let Chain { surfaces, thicknesses, places, layers, .. } = chain;
     let lens = SequentialLens {
         object: Medium::Air.into(),
+        object_place: root.node.location,
         object_distance: f64::INFINITY,
         surfaces,
         thicknesses,

@@ -1,9 +1,11 @@
 //! LensHH (`.lhlt`), the format of the largest open collection of stock lenses. Its writer leaves out values that are
-//! defaults: a Standard surface, radius and object distance Infinity, thickness 0, an entrance pupil (EPD), fields as
+//! defaults: a Standard surface, radius Infinity, thickness 0, an entrance pupil (EPD), fields as
 //! angles (ObjectAngle). Sizes are semi-diameters in mm. The object is the first surface and the image the last.
 //!
 //! `SemiDiameter` is the edge of the glass as it is drawn. `ClearAperturePercent` is that semi-diameter relative to the
 //! clear one: in the stock lenses 12.7 mm at 111.1 % has the clear semi-diameter 11.43 mm, half of the stated pupil.
+//!
+//! The format has no cylinders, and the collection has cylindrical lenses as surfaces of revolution. Their titles tell.
 
 use super::{
     NamedGlasses, Part, by_name, by_numbers, check_image, curvature, fates::NoEffect, finished,
@@ -48,7 +50,10 @@ pub(super) const NO_EFFECT: NoEffect = &[
     ),
     ("solves and pickups, whose values the file holds", &["Pickups", "HasMarginalRaySolve"]),
     ("the lens has one configuration, which the surfaces hold", &["ConfigurationEditor"]),
-    ("fields, wavelengths and their weights, which the user chooses", &["Fields", "Wavelengths", "Weight"]),
+    (
+        "fields, wavelengths and their weights, which the user chooses",
+        &["Fields", "Wavelengths", "Wavelengths.Value", "Weight"],
+    ),
     (
         "describes the object or the image, which are the user's",
         &[
@@ -112,9 +117,10 @@ pub(super) fn read(
                       taken as it is written";
         ledger.warn(Fate::LeftOut, location, "IsAfocal", None, reason);
     }
-    let object_distance = object.number_or_infinity("Thickness")?.unwrap_or(f64::INFINITY);
+    let object_distance = object.number_or_infinity("Thickness")?.unwrap_or(0.0);
     let lens = SequentialLens {
         object: object_medium,
+        object_place: object.node.location,
         object_distance: if object_distance.abs() >= ENDLESS { f64::INFINITY } else { object_distance },
         surfaces,
         thicknesses,
@@ -126,6 +132,12 @@ pub(super) fn read(
     };
     let (lens, _) = lens.prescription(root.text, root.node.location, ledger)?;
     let title = title(root.string("Title")?);
+    if title.as_ref().is_some_and(|title| title.to_ascii_lowercase().contains("cylind")) {
+        let location = root.need("Title", "a title")?.node.location;
+        let reason = "the title calls the lens cylindrical, and the file has no cylinders: the surfaces of revolution that it \
+                      states are traced";
+        ledger.warn(Fate::Replaced, location, "Title", None, reason);
+    }
     Ok(finished(Prescription { title, ..lens }, glasses, root.text.file))
 }
 

@@ -48,6 +48,8 @@ pub(super) const NO_EFFECT: NoEffect = &[
         &[
             "fields",
             "wavelengths",
+            "wavelengths.value",
+            "wavelengths.unit",
             "vx",
             "vy",
             "weight",
@@ -117,6 +119,7 @@ pub(super) fn read(
         .unwrap_or(f64::NEG_INFINITY);
     let lens = SequentialLens {
         object: front,
+        object_place: object.node.location,
         object_distance: heights[0] - object_height,
         surfaces,
         thicknesses: heights.windows(2).map(|pair| pair[1] - pair[0]).collect(),

@@ -13,7 +13,7 @@ use super::{
 use crate::prescription::{
     Aperture as Outline, Fate, LensFileError, Outline as Figure,
     glass::{GlassLibrary, VALID_WAVELENGTHS},
-    interfaces::{Asphere, FIRST_POWER, LAST_POWER, Medium, NO_TERMS, Prescription},
+    interfaces::{Asphere, LAST_POWER, Medium, NO_TERMS, Prescription},
     reader::{
         ledger::Ledger,
         sequential::{
@@ -95,6 +95,7 @@ pub(super) const NO_EFFECT: NoEffect = &[
     (
         "describes the object or the image, which are the user's",
         &[
+            "ifcs.attributes",
             "ifcs.interact_mode",
             "ifcs.max_aperture",
             "ifcs.clear_apertures",
@@ -160,12 +161,12 @@ pub(super) fn read(
     let profile_of_image = profile(inner(image), model)?;
     let image_curvature = profile_of_image.map_or(Ok(None), |profile| inner(profile).number("cv"))?;
     check_image(image_curvature.unwrap_or(0.0), image, "profile_id", ledger);
-    inner(object).get("label");
     let specification = inner(model.need("optical_spec", "apertures, fields and wavelengths")?);
     let in_air = surfaces.last().is_some_and(|last| last.behind.medium == Medium::Air);
     let object_distance = gaps[0].number_or_infinity("thi")?.unwrap_or(f64::INFINITY);
     let lens = SequentialLens {
         object: front,
+        object_place: object.node.location,
         object_distance,
         surfaces,
         thicknesses,
@@ -315,7 +316,6 @@ fn figure(part: Part<'_>, number: &str) -> Result<(f64, Option<Asphere>), LensFi
             set_term(&mut terms, power, value).map_err(|why| refused(part, number, why))?;
         }
     }
-    debug_assert!(FIRST_POWER == 2);
     let asphere = Asphere { radius: f64::INFINITY, conic, terms };
     Ok((curvature, (conic != 0.0 || terms != NO_TERMS).then_some(asphere)))
 }

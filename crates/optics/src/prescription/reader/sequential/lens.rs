@@ -1,7 +1,7 @@
 //! Builds the prescription of a sequential file with one configuration, whatever its format.
 
 use super::{
-    Aperture, Effective, Field, Paraxial, ROUNDING, SequentialSurface, derive_missing, has_range,
+    Aperture, Effective, FAR, Field, Paraxial, ROUNDING, SequentialSurface, derive_missing, has_range,
     let_through, merged, positions, surface_row,
 };
 use crate::prescription::{
@@ -33,6 +33,8 @@ pub(in super::super) struct Place {
 #[derive(Debug)]
 pub(in super::super) struct SequentialLens {
     pub object: MediumBehind,
+    /// The place of the object's description.
+    pub object_place: Location,
     /// The distance from the object to the first surface; infinite for a distant object.
     pub object_distance: f64,
     pub surfaces: Vec<SequentialSurface>,
@@ -64,6 +66,9 @@ impl SequentialLens {
             return Err(text.error(self.places[MAX_INTERFACES].surface, message));
         }
         self.check_stops(text)?;
+        if self.object_distance.abs() >= FAR {
+            self.object_distance = f64::INFINITY;
+        }
         self.round_thicknesses(ledger);
         let wavelength = self.wavelength.map_or(D_LINE, |(wavelength, _)| wavelength);
         let stop_size = self.size_stop(wavelength, location, ledger);
@@ -115,7 +120,7 @@ impl SequentialLens {
             nominal_film_distance: (back > 0.0).then_some(back),
             stated: self.stated(),
             wavelength: self.wavelength.map(|(wavelength, _)| wavelength),
-            positions: positions(text, &[object], &[gaps], &[stop_size], location)?,
+            positions: positions(text, &[object], &[gaps], &[stop_size], self.object_place)?,
             ..Prescription::new(interfaces)
         };
         if let Some((wavelength, location)) = self.wavelength {
