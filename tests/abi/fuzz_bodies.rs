@@ -10,7 +10,7 @@ use super::properties;
 
 use proptest::prelude::*;
 
-const FILES: [&[u8]; 15] = [
+const FILES: [&[u8]; 20] = [
     include_bytes!("../../crates/optics/lenses/dgauss.100mm.dat"),
     include_bytes!("../../crates/optics/lenses/dgauss.50mm.dat"),
     include_bytes!("../../crates/optics/lenses/fisheye.10mm.dat"),
@@ -28,6 +28,25 @@ const FILES: [&[u8]; 15] = [
     b"\xEF\xBB\xBF50\r\n20,5,1.5,10 # \xDF\r\n-20 30 0 10",
     b"# radius thickness eta aperture_radius\n0.0 2.0 0.0 9.0\n65.0 6.0 517642 11.0\n-65.0 52.0 AIR 11.0\n",
     b"NM A 1 0 1.4 57\nCD 2.30 -0.80 0.014 0 0 0 x\nLD 0.4 1.6\nIT 0.70 12.0 10\nNM F4 2 0\nCD 1 0.01 0.2 0.16 1 100\n",
+    br#"{"FormatVersion": 1, "Title": "A", "Aperture": {"Type": "EPD", "Value": 10}, "Surfaces": [{"Thickness": "Infinity"},
+        {"Radius": 50, "Thickness": 5, "Material": "N-BK7", "SemiDiameter": 12, "ClearAperturePercent": 125},
+        {"Radius": -50, "Type": "EvenAsphere", "Conic": -1, "AsphericCoefficients": [0, 1e-5], "Thickness": 1},
+        {"Thickness": 40, "IsStop": true}, {}], "Fields": [{"Y": 10}]}"#,
+    br#"{"optical_model": {"seq_model": {"stop_surface": 1, "ifcs": [{}, {"profile_id": "1", "max_aperture": 8}, {"max_aperture": 8},
+        {}], "gaps": [{"thi": 1e10}, {"thi": 5, "medium": {"__instance_type__": ["m", "ModelGlass"], "n": 1.5, "v": 60}},
+        {"thi": 90}]}, "optical_spec": {"pupil": {"key": ["object", "epd"], "value": 10}},
+        "profile_dict": {"1": {"__instance_type__": ["p", "EvenPolynomial"], "cv": 0.02, "coefs": [0, 1e-5]}}}}"#,
+    br#"{"surface_group": {"surfaces": [{"geometry": {"cs": {"z": -Infinity}}}, {"geometry": {"type": "StandardGeometry",
+        "cs": {"z": 0}, "radius": 50, "conic": 0}, "material_post": {"type": "IdealMaterial", "index": 1.5}, "is_stop": true},
+        {"geometry": {"type": "Plane", "cs": {"z": 5}}}, {"geometry": {"type": "Plane", "cs": {"z": 95}, "radius": Infinity}}]},
+        "aperture": {"type": "imageFNO", "value": 4}, "fields": {"fields": [{"y": 10}]}}"#,
+    br#"{"info": "A", "foclen": 50, "surfaces": [{"type": "Spheric", "r": 8, "roc": 50, "mat2": "1.5/60", "d_next": 5},
+        {"type": "Aspheric", "r": 8, "c": -0.02, "k": -1, "ai": [0, 1e-5], "mat2": "air", "d_next": 1},
+        {"type": "Stop", "r": 4, "d_next": 40}]}"#,
+    br#"{"format": "ghostlight-optical", "glass_catalogue": {"A": {"dispersion": {"model": "abbe", "nd": 1.5, "Vd": 60}}},
+        "optical_system": [{"transform": {"position": {"z": -95}}, "materials": [{"glass": "A"}], "surfaces": [
+        {"semi_aperture": 8, "form": {"type": "sphere", "radius": 50}, "thickness": 5, "is_stop": true},
+        {"semi_aperture": 8, "form": {"type": "asphere", "radius": 0, "terms": [1e-5]}, "thickness": 90}]}]}"#,
 ];
 
 /// Returns the bytes of a lens file, with some of them replaced by tokens of the format or cut out.

@@ -4,7 +4,7 @@
 //! A line is open until a reader records its fate. Lines that are open at the end are recorded as left out, being
 //! statements unknown to the reader. Equal findings are merged into one, with all their lines and surfaces.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::text::{Location, Text};
 use crate::prescription::{Fate, Finding};
@@ -23,6 +23,8 @@ pub(super) struct Ledger<'t> {
     findings: Vec<Finding>,
     /// The index of each finding, by the fate, statement and reason of the finding.
     known: HashMap<(Fate, String, String), usize>,
+    /// The lines and columns with a finding.
+    noted: HashSet<(usize, usize)>,
     warnings: Vec<String>,
 }
 
@@ -35,6 +37,7 @@ impl<'t> Ledger<'t> {
             open: words.collect(),
             findings: Vec::new(),
             known: HashMap::new(),
+            noted: HashSet::new(),
             warnings: Vec::new(),
         };
         for line in 1..=all.open.len() {
@@ -94,6 +97,17 @@ impl<'t> Ledger<'t> {
         self.open.get(line - 1).is_some_and(Option::is_some)
     }
 
+    /// Returns whether a fate was recorded for the statement at this place.
+    pub(super) fn is_noted(&self, location: Location) -> bool {
+        self.noted.contains(&(location.line, location.column))
+    }
+
+    /// Closes the lines that are still open, without a finding. Readers of formats whose statements are not lines call
+    /// this after recording every statement.
+    pub(super) fn close_lines(&mut self) {
+        self.open.fill(None);
+    }
+
     fn add(
         &mut self,
         fate: Fate,
@@ -106,6 +120,7 @@ impl<'t> Ledger<'t> {
         if let Some(line) = location.and_then(|location| self.open.get_mut(location.line - 1)) {
             *line = None;
         }
+        self.noted.extend(location.map(|location| (location.line, location.column)));
         let (statement, surface) = (cut(statement), surface.map(cut));
         if is_warning {
             let at =

@@ -1,6 +1,6 @@
 //! The reader of lens files. This module recognises the format of a text. Each format has its own module: the
-//! project's own [`table`], [`optical_bench`] text, [`zemax`] files and their archives ([`zar`]), [`flaresim`] and
-//! [`physical_camera`] files, and [`agf`] catalogues of glass. Every lens format produces rows, from which
+//! project's own [`table`], [`optical_bench`] text, [`zemax`] files and their archives ([`zar`]), [`flaresim`],
+//! [`physical_camera`] and [`json`] files, and [`agf`] catalogues of glass. Every lens format produces rows, from which
 //! [`surface_rows`] builds checked interfaces. Files of other programs are not supported; [`binary`] and [`foreign`]
 //! recognise them by their beginning, so that the message names the program instead of reporting a misread number.
 //!
@@ -16,10 +16,12 @@
 
 pub(super) mod agf;
 mod flaresim;
+mod json;
 mod ledger;
 mod named_glass;
 mod optical_bench;
 mod physical_camera;
+mod sequential;
 mod surface_rows;
 mod table;
 mod text;
@@ -80,6 +82,7 @@ pub fn read_with(name: &str, bytes: &[u8], library: &GlassLibrary) -> Result<Pre
         Format::Zemax => zemax::read(&text, library, None, &mut ledger),
         Format::FlareSim => flaresim::read(&text, &mut ledger),
         Format::PhysicalCamera => physical_camera::read(&text, &mut ledger),
+        Format::Json => json::read(&text, library, &mut ledger),
         Format::Foreign(message) => Err(LensFileError { file: name.to_owned(), line: 1, column: 1, message }),
     }?;
     Ok(Prescription { name: short_name, ..finished(lens, ledger, library) })
@@ -121,6 +124,7 @@ enum Format {
     Zemax,
     FlareSim,
     PhysicalCamera,
+    Json,
     /// A glass catalogue or a file of another program, with the message that says so.
     Foreign(String),
 }
@@ -149,9 +153,11 @@ impl Format {
                 None
             }
         };
-        let unknown = || match is_toml(bytes.trim_ascii_start()) && physical_camera::is_lens(bytes) {
-            true => Self::PhysicalCamera,
-            false => foreign(bytes).map_or(Self::Table, Self::Foreign),
+        let unknown = || match foreign(bytes) {
+            _ if is_toml(bytes.trim_ascii_start()) && physical_camera::is_lens(bytes) => Self::PhysicalCamera,
+            Some(message) => Self::Foreign(message),
+            None if json::is_json(bytes) => Self::Json,
+            None => Self::Table,
         };
         lines.into_iter().find_map(known).unwrap_or_else(unknown)
     }
@@ -166,7 +172,8 @@ fn short_name(name: &str) -> String {
 /// The supported formats, for messages about other files.
 const READ: &str = "read are a table with a line for each surface (radius, thickness, index and clear diameter in mm: \
                     docs/lens-format.md), Optical Bench text, Zemax text (.zmx) and archives (.zar), FlareSim text \
-                    (.lens) and Physical Camera's lenses (.toml); export one of these";
+                    (.lens), Physical Camera's lenses (.toml), and JSON of LensHH (.lhlt), RayOptics (.roa), Optiland, \
+                    DeepLens and ghostlight (.lens); export one of these";
 
 /// Recognises, by its first bytes, a file that is not text, or a file that only refers to another file.
 fn binary(bytes: &[u8]) -> Option<&'static str> {
@@ -189,13 +196,8 @@ fn binary(bytes: &[u8]) -> Option<&'static str> {
 /// Recognises a text written for another program.
 fn foreign(bytes: &[u8]) -> Option<String> {
     let start = bytes.trim_ascii_start();
-    let json = |byte: &u8| matches!(byte, b'{' | b'[' | b'"' | b'-' | b'0'..=b'9');
     let what = match start {
         _ if is_toml(start) => "TOML without the tables [lens] and [[surface]] of Physical Camera",
-        [b'{', ..] => "JSON, and no lens is read from JSON",
-        [b'[', rest @ ..] if rest.trim_ascii_start().first().is_some_and(json) => {
-            "JSON, and no lens is read from JSON"
-        }
         [b'<', ..] => "XML, and no lens is read from XML",
         _ => by_commands(start)?,
     };

@@ -65,6 +65,11 @@ impl<'a> NamedGlasses<'a> {
         if name.is_empty() { medium.into() } else { self.use_as(name, Glass::new(medium, None)) }
     }
 
+    /// Returns the medium that the file defines under this name.
+    pub(super) fn by_medium(&mut self, name: &str, medium: Medium) -> MediumBehind {
+        self.use_as(name, Glass::new(medium, None))
+    }
+
     /// Returns the medium of the glass `name`, regardless of the numbers in the file.
     ///
     /// # Errors

@@ -48,7 +48,7 @@ pub(super) fn is_lens(bytes: &[u8]) -> bool {
 /// The text is not a lens; the error gives the first location at which it is malformed.
 pub(super) fn read(text: &Text<'_>, ledger: &mut Ledger<'_>) -> Result<Prescription, LensFileError> {
     let document = Document::of(text);
-    let root = DeTable::parse(text.as_str()).map_err(|error| {
+    let root = DeTable::parse(text.whole()).map_err(|error| {
         document.error(&error.span().unwrap_or(0..0), format!("not TOML: {}", cut(error.message())))
     })?;
     let mut facts = Facts::default();
@@ -252,7 +252,7 @@ struct Document<'d, 't> {
 
 impl<'d, 't> Document<'d, 't> {
     fn of(text: &'d Text<'t>) -> Self {
-        let ends = text.as_str().match_indices('\n').map(|(at, _)| at + 1);
+        let ends = text.whole().match_indices('\n').map(|(at, _)| at + 1);
         Self { text, starts: std::iter::once(0).chain(ends).collect() }
     }
 

@@ -47,7 +47,7 @@ impl<'a> Text<'a> {
     }
 
     /// Returns the whole text.
-    pub(super) fn as_str(&self) -> &str {
+    pub(super) fn whole(&self) -> &str {
         &self.text
     }
 

@@ -14,9 +14,9 @@ use super::{
 };
 use crate::prescription::{
     Fate, LensFileError, MAX_POSITIONS,
-    glass::VALID_WAVELENGTHS,
     reader::{
         ledger::Ledger,
+        sequential::nanometres,
         text::{Location, Text},
     },
 };
@@ -53,16 +53,7 @@ pub(super) fn primary_wavelength(
         return Err(text.error(record.key.location, "a wavelength without a value, µm"));
     };
     let micrometres = text.number(&cell, "a wavelength, µm")?;
-    // The result is rounded to the intended decimal number, because 0.58756 times 1000 is not exactly 587.56.
-    let wavelength = format!("{:.12e}", micrometres * 1e3).parse().expect("a number");
-    if !VALID_WAVELENGTHS.contains(&wavelength) {
-        let (first, last) = (VALID_WAVELENGTHS.start(), VALID_WAVELENGTHS.end());
-        let message = format!(
-            "the primary wavelength is {} nm; lenses are traced from {first} to {last} nm",
-            as_given(wavelength)
-        );
-        return Err(text.error(cell.location, message));
-    }
+    let wavelength = nanometres(micrometres).map_err(|why| text.error(cell.location, why))?;
     Ok(Some((wavelength, cell.location)))
 }
 

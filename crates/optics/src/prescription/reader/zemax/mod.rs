@@ -5,7 +5,8 @@
 //! or in air, has the size that follows from the file's aperture.
 //!
 //! `blocks` splits the text into records. `general` reads the records of the whole lens, and `surface` reads the
-//! records of a block. `coating_file` reads the file of coatings that an archive includes. `aperture` derives missing semi-diameters by paraxial rays. `shapes` reads the apertures of
+//! records of a block. `coating_file` reads the file of coatings that an archive includes. `aperture` reads the
+//! aperture and the field. `shapes` reads the apertures of
 //! surfaces. `statements` records the fate of
 //! every line.
 
@@ -20,32 +21,28 @@ mod surface;
 use super::{
     ledger::Ledger,
     named_glass::NamedGlasses,
-    surface_rows::{self, MediumBehind, Role, SurfaceRow},
+    sequential::{
+        self, Aperture, Effective, Paraxial, ROUNDING, SequentialSurface, has_range, let_through, merged,
+        positions, surface_row,
+    },
+    surface_rows,
     text::{Location, Text},
 };
 use crate::prescription::{
     Fate, LensFileError,
     glass::{D_LINE, GlassLibrary, loose},
-    interfaces::{Medium, NO_TERMS, Prescription, Shape, Stated},
-    positions::{Position, Positions},
+    interfaces::{Medium, Prescription, Stated},
 };
-use aperture::{Aperture, Paraxial, farthest};
+use aperture::{farthest, farthest_field};
 use blocks::{Block, Blocks};
 pub(super) use coating_file::CoatingFile;
 use general::{Configurations, Operand};
-use realistic_base::message::{cut, short};
-use surface::ZemaxSurface;
+use realistic_base::message::cut;
 
 /// Returns whether a line begins a surface. No other format has such a line.
 pub(super) fn is_surface(line: &[u8]) -> bool {
     blocks::is_surface(line)
 }
-
-/// Object distances from this value on, in the file's unit, mean infinity: multi-configuration records write 1e10.
-const FAR: f64 = 1e9;
-
-/// Negative thicknesses of a magnitude below this value, mm, are rounding errors and are set to 0.
-const ROUNDING: f64 = 1e-4;
 
 /// Reads a lens from a text. `coating_file` has the recipes of its coatings, if they are known.
 ///
@@ -82,7 +79,7 @@ pub(super) fn read(
         .collect::<Result<Vec<_>, _>>()?;
     general::environment(&blocks, ledger);
     let stop = surfaces.iter().position(|surface| surface.is_stop);
-    let aperture = Aperture::of(text, &blocks, ledger)?;
+    let aperture = aperture::aperture(text, &blocks, ledger)?;
     // The surface of the object is number 0, even if the file lacks it.
     let numbers = (stop.map(|stop| stop + 1), aperture == Aperture::ByStop);
     let configurations = Configurations::of(text, &blocks, own.len() + 2, numbers, ledger)?;
@@ -121,8 +118,15 @@ pub(super) fn read(
         report_stop(&own[stop], &surfaces[stop], aperture, stop_sizes[0], ledger);
         surfaces[stop].semi_diameter = stop_sizes[0].or(surfaces[stop].semi_diameter);
     }
-    derive_missing(&blocks, own, stop, in_front, &mut surfaces, &thicknesses[0], wavelength, ledger);
-    let effective = effective_surfaces(own, in_front, &surfaces, &thicknesses[0], ledger);
+    let field = farthest_field(&blocks);
+    for i in sequential::derive_missing(in_front, &mut surfaces, &thicknesses[0], field, wavelength) {
+        let reason = "no semi-diameter (DIAM) is stated; that of paraxial rays of the file's aperture and field is used";
+        ledger.warn(Fate::Replaced, own[i].location, "DIAM", Some(own[i].number), reason);
+    }
+    let Effective { kept: effective, left_out } = Effective::of(in_front, &surfaces, &thicknesses[0][1..]);
+    for (i, reason) in left_out {
+        ledger.note(Fate::LeftOut, own[i].location, "SURF", Some(own[i].number), reason);
+    }
     let gaps: Vec<Vec<f64>> = thicknesses.iter().map(|column| merged(&effective, &column[1..])).collect();
     let mut rows = Vec::with_capacity(effective.len());
     for (row, &i) in effective.iter().enumerate() {
@@ -261,22 +265,10 @@ fn is_plane_in_air(block: &Block<'_>) -> bool {
     curvature.unwrap_or(0.0) == 0.0 && block.find("GLAS").is_none() && block.find("STOP").is_none()
 }
 
-/// Returns the semi-diameter of a stop that states none: that of the widest beam that passes the other surfaces.
-fn let_through(
-    object: MediumBehind,
-    surfaces: &[ZemaxSurface],
-    stop: usize,
-    paraxial: &Paraxial,
-) -> Option<f64> {
-    let counts = |&i: &usize| i != stop && (!is_idle(object, surfaces, i) || surfaces[i].is_fixed);
-    let others = (0..surfaces.len()).filter(counts).filter_map(|i| Some((i, surfaces[i].semi_diameter?)));
-    paraxial.let_through(stop, others)
-}
-
 /// Records how the stop's size was found.
 fn report_stop(
     block: &Block<'_>,
-    stop: &ZemaxSurface,
+    stop: &SequentialSurface,
     aperture: Aperture,
     size: Option<f64>,
     ledger: &mut Ledger<'_>,
@@ -313,28 +305,6 @@ fn report_stop(
     }
 }
 
-/// Returns whether all lengths are finite, and whether all lengths except thicknesses and gaps are also positive. Units
-/// and sums may cause overflow or underflow.
-fn has_range(lens: &Prescription) -> bool {
-    let is_length = |length: f64| length > 0.0 && length.is_finite();
-    let interfaces = lens.interfaces.iter().all(|interface| {
-        let shape = match interface.shape {
-            Shape::Sphere { radius } => is_length(radius.abs()) && interface.semi_diameter <= radius.abs(),
-            Shape::Asphere(asphere) => {
-                asphere.radius != 0.0 && asphere.terms.iter().all(|term| term.is_finite())
-            }
-            Shape::Plane => true,
-        };
-        shape && interface.thickness.is_finite() && is_length(interface.semi_diameter)
-    });
-    let mut columns = lens.positions.iter().flat_map(|positions| &positions.columns);
-    let columns = columns.all(|column| {
-        let lengths = [column.stop_diameter, column.object_distance, column.focal_length];
-        column.gaps.iter().all(|gap| gap.is_finite()) && lengths.into_iter().flatten().all(is_length)
-    });
-    interfaces && columns && lens.nominal_film_distance.is_none_or(is_length)
-}
-
 /// Returns the unit of the file's lengths, mm.
 fn unit(text: &Text<'_>, blocks: &Blocks<'_>) -> Result<f64, LensFileError> {
     let Some(word) = blocks.find("UNIT").and_then(|record| record.word(0)) else { return Ok(1.0) };
@@ -366,140 +336,6 @@ fn thickness(text: &Text<'_>, block: &Block<'_>, is_object: bool) -> Result<f64,
         )),
         false => record.number(text, 0),
     }
-}
-
-/// Returns whether the media on both sides of a surface are the same. `object` is the medium in front of the lens.
-fn is_idle(object: MediumBehind, surfaces: &[ZemaxSurface], i: usize) -> bool {
-    let in_front = if i == 0 { object } else { surfaces[i - 1].behind };
-    in_front == surfaces[i].behind
-}
-
-/// Returns the surfaces that have an effect: they bend rays, are the stop, or have an aperture that the file fixes.
-/// Planes behind the image limit no ray that reaches the image. The fates of the other surfaces go to `ledger`.
-fn effective_surfaces(
-    own: &[Block<'_>],
-    object: MediumBehind,
-    surfaces: &[ZemaxSurface],
-    thicknesses: &[f64],
-    ledger: &mut Ledger<'_>,
-) -> Vec<usize> {
-    let limits = |i: usize| surfaces[i].is_fixed && surfaces[i].semi_diameter.is_some();
-    let mut effective: Vec<usize> = Vec::new();
-    for i in 0..surfaces.len() {
-        let to_image: f64 = thicknesses[i + 1..].iter().sum();
-        let bends = |i: usize| !is_idle(object, surfaces, i) || surfaces[i].is_stop;
-        let reason = if bends(i) {
-            None
-        } else if to_image < 0.0 && !(i..surfaces.len()).any(bends) {
-            Some("a plane behind the image, which limits no ray that reaches it")
-        } else if limits(i) {
-            None
-        } else {
-            Some("a surface that bends no ray and whose size the file's program computed")
-        };
-        match reason {
-            Some(reason) => ledger.note(Fate::LeftOut, own[i].location, "SURF", Some(own[i].number), reason),
-            None => effective.push(i),
-        }
-    }
-    effective
-}
-
-/// Returns, for each surface with an effect, the thickness behind it plus the thicknesses behind the surfaces left out
-/// after it.
-fn merged(effective: &[usize], thicknesses: &[f64]) -> Vec<f64> {
-    let end = |row: usize| effective.get(row + 1).copied().unwrap_or(thicknesses.len());
-    (0..effective.len()).map(|row| thicknesses[effective[row]..end(row)].iter().sum()).collect()
-}
-
-/// Derives the missing semi-diameters, if the file has the data for that.
-#[allow(clippy::too_many_arguments, reason = "they are the file's parts, each used once")]
-fn derive_missing(
-    blocks: &Blocks<'_>,
-    own: &[Block<'_>],
-    stop: Option<usize>,
-    object: MediumBehind,
-    surfaces: &mut [ZemaxSurface],
-    thicknesses: &[f64],
-    wavelength: f64,
-    ledger: &mut Ledger<'_>,
-) {
-    let missing: Vec<usize> = (0..surfaces.len())
-        .filter(|&i| surfaces[i].semi_diameter.is_none() && !is_idle(object, surfaces, i))
-        .collect();
-    let Some((stop, size)) = stop.and_then(|stop| Some((stop, surfaces[stop].semi_diameter?))) else {
-        return;
-    };
-    let paraxial = Paraxial::of(object.medium, surfaces, &thicknesses[1..], wavelength);
-    let field = paraxial.field(blocks, stop, thicknesses[0]);
-    for i in missing {
-        if let Some(reach) = paraxial.reach(i, stop, size, field) {
-            surfaces[i].semi_diameter = Some(reach);
-            let reason = "no semi-diameter (DIAM) is stated; that of paraxial rays of the file's aperture and field is used";
-            ledger.warn(Fate::Replaced, own[i].location, "DIAM", Some(own[i].number), reason);
-        }
-    }
-}
-
-/// Returns the row of a surface; `None` if the surface has no size.
-fn surface_row(
-    object: MediumBehind,
-    surfaces: &[ZemaxSurface],
-    i: usize,
-    thickness: f64,
-) -> Option<SurfaceRow> {
-    let surface = &surfaces[i];
-    let is_plane =
-        surface.curvature == 0.0 && surface.asphere.is_none_or(|asphere| asphere.terms == NO_TERMS);
-    let is_in_air = is_idle(object, surfaces, i) && surface.behind.medium == Medium::Air;
-    let role = match surface.is_stop {
-        true => Role::Stop,
-        false if is_plane && is_in_air => Role::FlareStop,
-        false => Role::Any,
-    };
-    Some(SurfaceRow {
-        // A curvature of 0 means a plane.
-        radius: if surface.curvature == 0.0 { f64::INFINITY } else { surface.curvature.recip() },
-        role,
-        thickness,
-        behind: surface.behind,
-        diameter: 2.0 * surface.semi_diameter?,
-        asphere: surface.asphere.filter(|_| !is_plane),
-        apertures: surface.apertures.clone(),
-    })
-}
-
-/// Returns the configurations as positions; `None` if the file has a single configuration with the object at infinity.
-fn positions(
-    text: &Text<'_>,
-    thicknesses: &[Vec<f64>],
-    gaps: &[Vec<f64>],
-    stop_sizes: &[Option<f64>],
-    object: Location,
-) -> Result<Option<Positions>, LensFileError> {
-    let distance = |column: &Vec<f64>| Some(column[0]).filter(|distance| distance.abs() < FAR);
-    if let Some(behind) = thicknesses.iter().filter_map(distance).find(|distance| *distance <= 0.0) {
-        let message = format!(
-            "the object lies {} in front of the first surface; expected a positive distance",
-            short(behind)
-        );
-        return Err(text.error(object, message));
-    }
-    if thicknesses.len() == 1 && distance(&thicknesses[0]).is_none() {
-        return Ok(None);
-    }
-    let moving: Vec<usize> =
-        (0..gaps[0].len()).filter(|&row| gaps.iter().any(|column| column[row] != gaps[0][row])).collect();
-    let column = |i: usize| Position {
-        name: None,
-        gaps: moving.iter().map(|&row| gaps[i][row]).collect(),
-        stop_diameter: stop_sizes.get(i).copied().flatten().map(|size| 2.0 * size),
-        focal_length: None,
-        fnumber: None,
-        object_distance: distance(&thicknesses[i]),
-    };
-    let columns = (0..gaps.len()).map(column).collect();
-    Ok(Some(Positions { gaps: moving, columns }))
 }
 
 #[cfg(test)]

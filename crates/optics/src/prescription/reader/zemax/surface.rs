@@ -10,40 +10,18 @@ use super::{
     shapes,
 };
 use crate::prescription::{
-    Aperture, Fate, LensFileError,
+    Fate, LensFileError,
     coating::{Coating, SurfaceCoating},
-    interfaces::{Asphere, AsphereTerms, FIRST_POWER, Interface, LAST_POWER, Medium, NO_TERMS, has_coating},
+    interfaces::{Asphere, AsphereTerms, Interface, Medium, NO_TERMS, has_coating},
     reader::{
         ledger::Ledger,
         named_glass::NamedGlasses,
+        sequential::{SequentialSurface, set_term},
         surface_rows::{MediumBehind, checked, index},
         text::{Text, no_number},
     },
 };
 use realistic_base::message::{cut, quoted};
-
-/// A surface, with lengths in the file's unit.
-#[derive(Clone, Debug)]
-pub(super) struct ZemaxSurface {
-    /// 1/R. The radius in `asphere` stays infinite.
-    pub curvature: f64,
-    pub asphere: Option<Asphere>,
-    /// The medium behind the surface.
-    pub behind: MediumBehind,
-    /// The semi-diameter in use: that of the circle around the aperture or, without an aperture, that of `DIAM` unless
-    /// it is 0.
-    pub semi_diameter: Option<f64>,
-    /// The semi-diameter stated by `DIAM`.
-    pub listed: Option<f64>,
-    /// The semi-diameter of the circle around the aperture.
-    pub clip: Option<f64>,
-    /// Apertures and obstructions other than a circle about the axis.
-    pub apertures: Vec<Aperture>,
-    /// Whether the file fixes the semi-diameter or states an aperture. Otherwise the file's program computed the
-    /// semi-diameter from rays.
-    pub is_fixed: bool,
-    pub is_stop: bool,
-}
 
 /// The supported types of surfaces, for messages.
 const READ: &str = "read are STANDARD, EVENASPH, ODDASPHE, XASPHERE, XOSPHERE and a plane JONESMAT";
@@ -57,7 +35,7 @@ pub(super) fn read(
     block: &Block<'_>,
     glasses: &mut NamedGlasses<'_>,
     ledger: &mut Ledger<'_>,
-) -> Result<ZemaxSurface, LensFileError> {
+) -> Result<SequentialSurface, LensFileError> {
     let conic = block.find("CONI").map_or(Ok(0.0), |record| record.number(text, 0))?;
     let curvature = block.find("CURV").map_or(Ok(0.0), |record| record.number(text, 0))?;
     let terms = terms(text, block, curvature, ledger)?;
@@ -76,7 +54,7 @@ pub(super) fn read(
     let by_float = semi_diameter.filter(|_| floats && is_listed_fixed);
     let (clip, apertures) = shapes::read(text, block, [semi_diameter, by_float], ledger)?;
     let is_fixed = clip.is_some() || !apertures.is_empty() || floats || is_listed_fixed;
-    Ok(ZemaxSurface {
+    Ok(SequentialSurface {
         curvature,
         asphere: (conic != 0.0 || terms != NO_TERMS).then_some(Asphere {
             radius: f64::INFINITY,
@@ -113,20 +91,8 @@ fn terms(
     let mut terms = NO_TERMS;
     // Sets the term of r^power.
     let mut add = |power: usize, value: f64, location| -> Result<(), LensFileError> {
-        match power.checked_sub(FIRST_POWER).and_then(|index| terms.get_mut(index)) {
-            Some(term) => *term = value,
-            None if value == 0.0 => {}
-            None => {
-                let what = if power == 1 { ", a cone without a normal at its vertex" } else { "" };
-                let message = format!(
-                    "surface {} has a term of r^{power}{what}; terms of r^{FIRST_POWER} to r^{LAST_POWER} are traced: \
-                     write 0 to trace the surface without this one, or fit it by others",
-                    block.number
-                );
-                return Err(text.error(location, message));
-            }
-        }
-        Ok(())
+        set_term(&mut terms, power, value)
+            .map_err(|why| text.error(location, format!("surface {} {why}", block.number)))
     };
     let kind = word.map_or("STANDARD", |word| word.text);
     let parameters = block.numbered(text, "PARM")?;

@@ -1,0 +1,259 @@
+//! Surfaces in sequence, as designers' programs write them: with semi-diameters that may be missing, and with surfaces
+//! that bend no ray.
+//!
+//! `paraxial` derives the size of the stop and missing sizes from the file's aperture and field. `lens` builds the
+//! prescription of a file with one configuration.
+
+mod lens;
+mod paraxial;
+
+use super::{
+    surface_rows::{MediumBehind, Role, SurfaceRow},
+    text::{Location, Text},
+};
+use crate::prescription::{
+    Aperture as Outline, LensFileError,
+    glass::VALID_WAVELENGTHS,
+    interfaces::{Asphere, AsphereTerms, FIRST_POWER, LAST_POWER, Medium, NO_TERMS, Prescription, Shape},
+    positions::{Position, Positions},
+};
+pub(super) use lens::{Place, SequentialLens};
+pub(super) use paraxial::{Aperture, Field, Paraxial};
+use realistic_base::message::{as_given, short};
+
+/// Object distances from this value on, in the file's unit, mean infinity: programs write 1e10.
+const FAR: f64 = 1e9;
+
+/// Negative thicknesses of a magnitude below this value, mm, are rounding errors and are set to 0.
+pub(super) const ROUNDING: f64 = 1e-4;
+
+/// A surface, with lengths in the file's unit.
+#[derive(Clone, Debug)]
+pub(super) struct SequentialSurface {
+    /// 1/R. The radius in `asphere` stays infinite.
+    pub curvature: f64,
+    pub asphere: Option<Asphere>,
+    /// The medium behind the surface.
+    pub behind: MediumBehind,
+    /// The semi-diameter in use: that of the circle around the aperture or, without an aperture, that which the file
+    /// states.
+    pub semi_diameter: Option<f64>,
+    /// The semi-diameter that the file states.
+    pub listed: Option<f64>,
+    /// The semi-diameter of the circle around the aperture.
+    pub clip: Option<f64>,
+    /// Apertures and obstructions other than a circle about the axis.
+    pub apertures: Vec<Outline>,
+    /// Whether the file fixes the semi-diameter or states an aperture. Otherwise the file's program computed the
+    /// semi-diameter from rays.
+    pub is_fixed: bool,
+    pub is_stop: bool,
+}
+
+/// Returns a wavelength in nm, rounded to the intended decimal number, because 0.58756 times 1000 is not exactly 587.56.
+///
+/// # Errors
+/// Lenses are not traced at this wavelength; the text says so.
+pub(super) fn nanometres(micrometres: f64) -> Result<f64, String> {
+    let wavelength = format!("{:.12e}", micrometres * 1e3).parse().unwrap_or(f64::NAN);
+    if VALID_WAVELENGTHS.contains(&wavelength) {
+        return Ok(wavelength);
+    }
+    let (first, last) = (VALID_WAVELENGTHS.start(), VALID_WAVELENGTHS.end());
+    Err(format!(
+        "the primary wavelength is {} nm; lenses are traced from {first} to {last} nm",
+        as_given(wavelength)
+    ))
+}
+
+/// Sets the term of r^`power` of a figure.
+///
+/// # Errors
+/// Tracing does not support the power; the text says so.
+pub(super) fn set_term(terms: &mut AsphereTerms, power: usize, value: f64) -> Result<(), String> {
+    match power.checked_sub(FIRST_POWER).and_then(|index| terms.get_mut(index)) {
+        Some(term) => *term = value,
+        None if value == 0.0 => {}
+        None => {
+            let what = if power == 1 { ", a cone without a normal at its vertex" } else { "" };
+            return Err(format!(
+                "has a term of r^{power}{what}; terms of r^{FIRST_POWER} to r^{LAST_POWER} are traced: write 0 to trace the \
+                 surface without this one, or fit it by others"
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Returns whether the media on both sides of a surface are the same. `object` is the medium in front of the lens.
+pub(super) fn is_idle(object: MediumBehind, surfaces: &[SequentialSurface], i: usize) -> bool {
+    let in_front = if i == 0 { object } else { surfaces[i - 1].behind };
+    in_front == surfaces[i].behind
+}
+
+/// Returns the semi-diameter of a stop that states none: that of the widest beam that passes the other surfaces.
+pub(super) fn let_through(
+    object: MediumBehind,
+    surfaces: &[SequentialSurface],
+    stop: usize,
+    paraxial: &Paraxial,
+) -> Option<f64> {
+    let counts = |&i: &usize| i != stop && (!is_idle(object, surfaces, i) || surfaces[i].is_fixed);
+    let others = (0..surfaces.len()).filter(counts).filter_map(|i| Some((i, surfaces[i].semi_diameter?)));
+    paraxial.let_through(stop, others)
+}
+
+/// The surfaces of a file, told apart by their effect.
+#[derive(Debug)]
+pub(super) struct Effective {
+    /// The surfaces that bend rays, are the stop, or have an aperture that the file fixes.
+    pub kept: Vec<usize>,
+    /// The other surfaces, each with the reason why it has no effect.
+    pub left_out: Vec<(usize, &'static str)>,
+}
+
+impl Effective {
+    /// Tells the surfaces apart. `thicknesses` are those behind the surfaces. Planes behind the image limit no ray that
+    /// reaches the image.
+    pub(super) fn of(object: MediumBehind, surfaces: &[SequentialSurface], thicknesses: &[f64]) -> Self {
+        let limits = |i: usize| surfaces[i].is_fixed && surfaces[i].semi_diameter.is_some();
+        let bends = |i: usize| !is_idle(object, surfaces, i) || surfaces[i].is_stop;
+        let last_bending = (0..surfaces.len()).rev().find(|&i| bends(i));
+        let mut all = Self { kept: Vec::new(), left_out: Vec::new() };
+        let mut to_image = thicknesses.to_vec();
+        for i in (1..to_image.len()).rev() {
+            to_image[i - 1] += to_image[i];
+        }
+        for (i, to_image) in to_image.into_iter().enumerate() {
+            if bends(i) {
+                all.kept.push(i);
+            } else if to_image < 0.0 && last_bending.is_none_or(|last| last < i) {
+                let reason = "a plane behind the image, which limits no ray that reaches it";
+                all.left_out.push((i, reason));
+            } else if limits(i) {
+                all.kept.push(i);
+            } else {
+                let reason = "a surface that bends no ray and whose size the file's program computed";
+                all.left_out.push((i, reason));
+            }
+        }
+        all
+    }
+}
+
+/// Returns, for each surface with an effect, the thickness behind it plus the thicknesses behind the surfaces left out
+/// after it.
+pub(super) fn merged(effective: &[usize], thicknesses: &[f64]) -> Vec<f64> {
+    let end = |row: usize| effective.get(row + 1).copied().unwrap_or(thicknesses.len());
+    (0..effective.len()).map(|row| thicknesses[effective[row]..end(row)].iter().sum()).collect()
+}
+
+/// Derives the missing semi-diameters by paraxial rays of the stop's size and the field, if the stop has a size.
+/// `thicknesses` begins with the distance of the object. Returns the surfaces whose sizes were derived.
+pub(super) fn derive_missing(
+    object: MediumBehind,
+    surfaces: &mut [SequentialSurface],
+    thicknesses: &[f64],
+    field: Field,
+    wavelength: f64,
+) -> Vec<usize> {
+    let stop = surfaces.iter().position(|surface| surface.is_stop);
+    let Some((stop, size)) = stop.and_then(|stop| Some((stop, surfaces[stop].semi_diameter?))) else {
+        return Vec::new();
+    };
+    let paraxial = Paraxial::of(object.medium, surfaces, &thicknesses[1..], wavelength);
+    let field = paraxial.field(field, stop, thicknesses[0]);
+    let is_missing = |&i: &usize| surfaces[i].semi_diameter.is_none() && !is_idle(object, surfaces, i);
+    let missing: Vec<usize> = (0..surfaces.len()).filter(is_missing).collect();
+    let mut derived = Vec::new();
+    for i in missing {
+        if let Some(reach) = paraxial.reach(i, stop, size, field) {
+            surfaces[i].semi_diameter = Some(reach);
+            derived.push(i);
+        }
+    }
+    derived
+}
+
+/// Returns the row of a surface; `None` if the surface has no size.
+pub(super) fn surface_row(
+    object: MediumBehind,
+    surfaces: &[SequentialSurface],
+    i: usize,
+    thickness: f64,
+) -> Option<SurfaceRow> {
+    let surface = &surfaces[i];
+    let is_plane =
+        surface.curvature == 0.0 && surface.asphere.is_none_or(|asphere| asphere.terms == NO_TERMS);
+    let is_in_air = is_idle(object, surfaces, i) && surface.behind.medium == Medium::Air;
+    let role = match surface.is_stop {
+        true => Role::Stop,
+        false if is_plane && is_in_air => Role::FlareStop,
+        false => Role::Any,
+    };
+    Some(SurfaceRow {
+        // A curvature of 0 means a plane.
+        radius: if surface.curvature == 0.0 { f64::INFINITY } else { surface.curvature.recip() },
+        role,
+        thickness,
+        behind: surface.behind,
+        diameter: 2.0 * surface.semi_diameter?,
+        asphere: surface.asphere.filter(|_| !is_plane),
+        apertures: surface.apertures.clone(),
+    })
+}
+
+/// Returns the configurations as positions; `None` if the file has a single configuration with the object at infinity.
+pub(super) fn positions(
+    text: &Text<'_>,
+    thicknesses: &[Vec<f64>],
+    gaps: &[Vec<f64>],
+    stop_sizes: &[Option<f64>],
+    object: Location,
+) -> Result<Option<Positions>, LensFileError> {
+    let distance = |column: &Vec<f64>| Some(column[0]).filter(|distance| distance.abs() < FAR);
+    if let Some(behind) = thicknesses.iter().filter_map(distance).find(|distance| *distance <= 0.0) {
+        let message = format!(
+            "the object lies {} in front of the first surface; expected a positive distance",
+            short(behind)
+        );
+        return Err(text.error(object, message));
+    }
+    if thicknesses.len() == 1 && distance(&thicknesses[0]).is_none() {
+        return Ok(None);
+    }
+    let moving: Vec<usize> =
+        (0..gaps[0].len()).filter(|&row| gaps.iter().any(|column| column[row] != gaps[0][row])).collect();
+    let column = |i: usize| Position {
+        name: None,
+        gaps: moving.iter().map(|&row| gaps[i][row]).collect(),
+        stop_diameter: stop_sizes.get(i).copied().flatten().map(|size| 2.0 * size),
+        focal_length: None,
+        fnumber: None,
+        object_distance: distance(&thicknesses[i]),
+    };
+    let columns = (0..gaps.len()).map(column).collect();
+    Ok(Some(Positions { gaps: moving, columns }))
+}
+
+/// Returns whether all lengths are finite, and whether all lengths except thicknesses and gaps are also positive. Units
+/// and sums may cause overflow or underflow.
+pub(super) fn has_range(lens: &Prescription) -> bool {
+    let is_length = |length: f64| length > 0.0 && length.is_finite();
+    let interfaces = lens.interfaces.iter().all(|interface| {
+        let shape = match interface.shape {
+            Shape::Sphere { radius } => is_length(radius.abs()) && interface.semi_diameter <= radius.abs(),
+            Shape::Asphere(asphere) => {
+                asphere.radius != 0.0 && asphere.terms.iter().all(|term| term.is_finite())
+            }
+            Shape::Plane => true,
+        };
+        shape && interface.thickness.is_finite() && is_length(interface.semi_diameter)
+    });
+    let mut columns = lens.positions.iter().flat_map(|positions| &positions.columns);
+    let columns = columns.all(|column| {
+        let lengths = [column.stop_diameter, column.object_distance, column.focal_length];
+        column.gaps.iter().all(|gap| gap.is_finite()) && lengths.into_iter().flatten().all(is_length)
+    });
+    interfaces && columns && lens.nominal_film_distance.is_none_or(is_length)
+}
