@@ -173,7 +173,7 @@ fn wavelengths_ghosts_and_importance_have_the_pictures_light() {
         sample([400.0 * x, 300.0 * y], [u, v])
     };
     let mut compared = 0;
-    for sample in (0..2000).map(|_| draw()) {
+    for sample in (0..4000).map(|_| draw()) {
         let weight = |camera: &Camera, nm| match camera.generate(&sample, nm) {
             ::realistic_camera::Outcome::Ray(_, weight) => Some(f64::from(weight)),
             _ => None,
