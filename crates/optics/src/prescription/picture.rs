@@ -44,11 +44,6 @@ impl StopPicture {
         Self { size: [width, height], cells: cells.into() }
     }
 
-    /// Returns width and height, pixels.
-    pub fn size(&self) -> [usize; 2] {
-        self.size
-    }
-
     /// Returns the number of points in a row of [`StopPicture::cells`].
     pub fn stride(&self) -> usize {
         self.size[0] + 2

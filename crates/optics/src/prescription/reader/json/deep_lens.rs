@@ -12,7 +12,7 @@ use crate::prescription::{
     interfaces::{Asphere, Medium, NO_TERMS, Prescription, Stated},
     reader::{
         ledger::Ledger,
-        sequential::{Aperture, SequentialLens, SequentialSurface, set_term},
+        sequential::{SequentialLens, SequentialSurface, set_term},
         surface_rows::MediumBehind,
     },
 };
@@ -67,19 +67,10 @@ pub(super) fn read(
         thicknesses.push(part.needed_number("d_next", "the distance to the next surface")?);
         places.push(place(part, number, Some("r"), Some("d_next")));
     }
-    let lens = SequentialLens {
-        object: Medium::Air.into(),
-        object_place: root.node.location,
-        object_distance: f64::INFINITY,
-        surfaces,
-        thicknesses,
-        places,
-        aperture: Aperture::ByStop,
-        field: None,
-        wavelength: None,
-        keys: ["surfaces", "r", "d_next"],
-    };
-    let (lens, _) = lens.prescription(root.text, root.node.location, ledger)?;
+    let location = root.node.location;
+    let keys = ["surfaces", "r", "d_next"];
+    let lens = SequentialLens::in_air(location, surfaces, thicknesses, places, keys);
+    let (lens, _) = lens.prescription(root.text, location, ledger)?;
     let positive = |key: &str| -> Result<Option<f64>, LensFileError> {
         Ok(root.number(key)?.filter(|value| *value > 0.0))
     };

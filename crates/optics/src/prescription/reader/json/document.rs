@@ -55,7 +55,7 @@ impl Node {
         scanner.node(None)
     }
 
-    /// Returns the member of that name; `None` if there is none or it is `null`.
+    /// Returns the member with this name; `None` if there is none or it is `null`.
     pub(super) fn get(&self, key: &str) -> Option<&Self> {
         let own = self.members().iter().find(|(own, _)| own == key).map(|(_, node)| node)?;
         own.is_read.set(true);
@@ -287,12 +287,12 @@ impl<'j> Part<'j> {
         Self { text: self.text, node }
     }
 
-    /// Returns the member of that name; `None` if there is none or it is `null`.
+    /// Returns the member with this name; `None` if there is none or it is `null`.
     pub(super) fn get(&self, key: &str) -> Option<Self> {
         self.node.get(key).map(|node| self.with(node))
     }
 
-    /// Returns the member of that name.
+    /// Returns the member with this name.
     ///
     /// # Errors
     /// There is none.
@@ -331,7 +331,7 @@ impl<'j> Part<'j> {
         self.node.number().ok_or_else(none)
     }
 
-    /// Returns the finite number of that name; `None` if there is no such member.
+    /// Returns the finite number with this name; `None` if there is no such member.
     ///
     /// # Errors
     /// The member is no finite number.
@@ -339,7 +339,7 @@ impl<'j> Part<'j> {
         self.get(key).map(|part| part.finite(key)).transpose()
     }
 
-    /// Returns the finite number of that name.
+    /// Returns the finite number with this name.
     ///
     /// # Errors
     /// There is none, or it is no finite number.
@@ -367,7 +367,7 @@ impl<'j> Part<'j> {
         self.list(key)?.iter().map(|part| part.finite(key)).collect()
     }
 
-    /// Returns the string of that name; `None` if there is no such member.
+    /// Returns the string with this name; `None` if there is no such member.
     ///
     /// # Errors
     /// The member is no string.

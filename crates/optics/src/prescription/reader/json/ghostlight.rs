@@ -13,7 +13,7 @@ use crate::prescription::{
     interfaces::{Asphere, Medium, NO_TERMS, Prescription, has_coating},
     reader::{
         ledger::Ledger,
-        sequential::{Aperture, Place, SequentialLens, SequentialSurface, set_term},
+        sequential::{Place, SequentialLens, SequentialSurface, set_term},
         surface_rows::MediumBehind,
     },
 };
@@ -72,19 +72,10 @@ pub(super) fn read(root: Part<'_>, ledger: &mut Ledger<'_>) -> Result<Prescripti
     check_count(&chain.parts)?;
     chain.end();
     let Chain { surfaces, thicknesses, places, layers, .. } = chain;
-    let lens = SequentialLens {
-        object: Medium::Air.into(),
-        object_place: root.node.location,
-        object_distance: f64::INFINITY,
-        surfaces,
-        thicknesses,
-        places,
-        aperture: Aperture::ByStop,
-        field: None,
-        wavelength: None,
-        keys: ["surfaces", "semi_aperture", "thickness"],
-    };
-    let (lens, kept) = lens.prescription(root.text, root.node.location, ledger)?;
+    let location = root.node.location;
+    let keys = ["surfaces", "semi_aperture", "thickness"];
+    let lens = SequentialLens::in_air(location, surfaces, thicknesses, places, keys);
+    let (lens, kept) = lens.prescription(root.text, location, ledger)?;
     let coatings = coatings(&lens, kept.iter().map(|&i| layers[i]));
     let metadata = root.get("metadata");
     let name = metadata.map_or(Ok(None), |own| own.string("name"))?;

@@ -7,7 +7,7 @@ use super::{
 use crate::prescription::{
     Fate, LensFileError, MAX_INTERFACES,
     glass::D_LINE,
-    interfaces::{Prescription, Stated},
+    interfaces::{Medium, Prescription, Stated},
     reader::{
         ledger::Ledger,
         surface_rows::{self, MediumBehind},
@@ -50,6 +50,29 @@ pub(in super::super) struct SequentialLens {
 }
 
 impl SequentialLens {
+    /// Returns a lens in air whose sizes the file states, of a format without object, image and wavelengths. `location`
+    /// is the place of the lens.
+    pub(in super::super) fn in_air(
+        location: Location,
+        surfaces: Vec<SequentialSurface>,
+        thicknesses: Vec<f64>,
+        places: Vec<Place>,
+        keys: [&'static str; 3],
+    ) -> Self {
+        Self {
+            object: Medium::Air.into(),
+            object_place: location,
+            object_distance: f64::INFINITY,
+            surfaces,
+            thicknesses,
+            places,
+            aperture: Aperture::ByStop,
+            field: None,
+            wavelength: None,
+            keys,
+        }
+    }
+
     /// Builds the prescription, and the surfaces that became its interfaces. The place of the lens is `location`.
     ///
     /// # Errors
