@@ -87,7 +87,7 @@ struct Pixels {
     is_srgb: bool,
 }
 
-/// Decodes a file, told by its first bytes.
+/// Decodes a PNG or EXR file. Its first bytes tell which.
 ///
 /// # Errors
 /// The text says what the file is not.
@@ -172,6 +172,9 @@ fn exr(bytes: &[u8]) -> Result<Pixels, Result<String, exr::error::Error>> {
     let size = [layer.size.width(), layer.size.height()];
     let channels = &layer.channel_data.list;
     let named = |name: &str| channels.iter().find(|channel| channel.name.eq(name));
+    if channels.iter().any(|channel| channel.sample_data.len() != size[0] * size[1]) {
+        return Err(Ok("has channels of other sizes than the picture".to_owned()));
+    }
     let values_of = |channel: &exr::prelude::AnyChannel<exr::prelude::FlatSamples>| -> Vec<f32> {
         channel.sample_data.values_as_f32().collect()
     };
@@ -189,9 +192,6 @@ fn exr(bytes: &[u8]) -> Result<Pixels, Result<String, exr::error::Error>> {
             )));
         }
     };
-    if values.len() != size[0] * size[1] {
-        return Err(Ok("has channels of other sizes than the picture".to_owned()));
-    }
     Ok(Pixels { size, values, is_srgb: false })
 }
 
