@@ -46,10 +46,14 @@ impl TracedLens<'_> {
         gaps.chain(self.stop_radius_moves.then(|| "rim".to_owned())).collect()
     }
 
-    /// Whether the trace returns a factor for the light of the ray: with transmission, and with a wavelength per ray
-    /// in a medium other than air, where the factor (n'/n)² of the radiance depends on the wavelength.
+    /// Whether the trace returns a factor for the light of the ray: with transmission, and where the radiance varies.
     pub fn changes_light(&self) -> bool {
-        self.light.is_some() || self.indices.is_some() && self.lens.outer_indices() != [1.0; 2]
+        self.light.is_some() || self.radiance_varies()
+    }
+
+    /// Whether the factor (n'/n)² of the radiance depends on the wavelength of the ray.
+    fn radiance_varies(&self) -> bool {
+        self.indices.is_some() && self.lens.outer_indices() != [1.0; 2]
     }
 
     /// Returns the text of the index of a medium: 0 is the scene's, i that behind row i. Its index at the lens's own
@@ -226,7 +230,7 @@ pub fn text(traced: &TracedLens<'_>) -> String {
     if n_scene != 1.0 {
         let _ = writeln!(text, "  vx /= {scene};\n  vy /= {scene};\n  vz /= {scene};");
     }
-    if traced.changes_light() && traced.indices.is_some() && [n_scene, n_film] != [1.0; 2] {
+    if traced.radiance_varies() {
         let own = number((n_scene / n_film).powi(2));
         let _ = writeln!(text, "  left *= {own}*({film}*{film})/({scene}*{scene});");
     }
