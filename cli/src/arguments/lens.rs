@@ -257,23 +257,21 @@ impl LensChoice {
         Ok(opened)
     }
 
-    /// Refuses a parameter that is given.
-    ///
-    /// # Errors
-    /// It is given; `instead` says what to do.
-    pub fn refuse(&self, name: &str, instead: &str) -> Result<(), Failure> {
-        match self.0.given().any(|(given, _)| given == name) {
-            true => Err(Failure::Usage(format!("this command has no \"{name}\": {instead}"))),
-            false => Ok(()),
-        }
-    }
-
     /// Finds the lens and accepts the parameter for the transmission of its surfaces, too.
     ///
     /// # Errors
     /// As for [`open_lens`].
     pub fn open_with_transmission(&self) -> Result<OpenedLens, Failure> {
         self.open_with(&[&LENS_PARAMETERS[..], &["transmission"]].concat())
+    }
+
+    /// Opens the lens as [`LensChoice::open_with_stop`] does and accepts the parameter for the transmission of its
+    /// surfaces, too.
+    ///
+    /// # Errors
+    /// As for [`LensChoice::open_with_stop`].
+    pub fn open_with_stop_and_transmission(&self) -> Result<OpenedLens, Failure> {
+        self.open_with_stop_and(&["transmission"])
     }
 
     /// Opens the lens as [`LensChoice::open_with_stop`] does and accepts the parameters of the exposure, too.

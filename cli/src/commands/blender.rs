@@ -46,11 +46,7 @@ fn shader_path(text: &str) -> Result<PathBuf, String> {
 /// # Errors
 /// There is no such lens, it cannot become a camera of Blender, or the file cannot be written.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    args.lens.refuse(
-        "stop_picture",
-        "the shader has apertures of the lens file's shapes alone; use a line \"aperture\" there, or `realistic render`",
-    )?;
-    let opened = args.lens.open_with_transmission()?;
+    let opened = args.lens.open_with_stop_and_transmission()?;
     let prescription = &opened.prescription;
     let parameters = opened.parameters();
     let layout = prescription.positions.as_ref().map(Positions::layout);

@@ -38,7 +38,7 @@ struct Focusing {
 /// The requested lens and movement.
 #[derive(Clone, Copy, Debug)]
 pub struct StationRequest<'a> {
-    /// The lens at the requested focal length, if any.
+    /// The lens at the requested focal length, if any. Every station has the shape of its stop's opening.
     pub lens: &'a Lens,
     pub stop: StopSize,
     /// Position or focal length, if the shader is for a single one.
@@ -55,7 +55,10 @@ impl Station {
 
     fn of(travel: FocusTravel, zoom: f64, request: StationRequest<'_>) -> Result<Self, LensError> {
         let wavelength = request.lens.wavelength;
-        let lens = set_up(&travel.at(travel.start()), wavelength, request.stop, &mut |_, _| ())?.lens;
+        let mut lens = set_up(&travel.at(travel.start()), wavelength, request.stop, &mut |_, _| ())?.lens;
+        if let Some(stop) = lens.stop_index() {
+            lens.surfaces[stop].apertures = request.lens.surfaces[stop].apertures.clone();
+        }
         let focusing = request.by_groups.then_some(Focusing { travel, wavelength, stop: request.stop });
         Ok(Self { zoom, lens, focusing })
     }

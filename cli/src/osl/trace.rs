@@ -7,10 +7,10 @@
 
 use super::figure;
 use super::light::{Light, Meeting};
-use super::text::number;
+use super::text::{array, number};
 use realistic_optics::lens::{Lens, Surface};
-use realistic_optics::prescription::Aperture;
-use realistic_optics::trace::{ApertureTest, Edge, OutlineTest};
+use realistic_optics::prescription::{Aperture, StopPicture};
+use realistic_optics::trace::{ApertureTest, Edge, OutlineTest, PictureTest};
 use std::fmt::Write as _;
 
 /// Radius of curvature, in focal lengths, below which a surface counts as strong: the division-free form of the
@@ -46,9 +46,10 @@ impl TracedLens<'_> {
         gaps.chain(self.stop_radius_moves.then(|| "rim".to_owned())).collect()
     }
 
-    /// Whether the trace returns a factor for the light of the ray: with transmission, and where the radiance varies.
+    /// Whether the trace returns a factor for the light of the ray: with transmission, with a picture in the stop, and
+    /// where the radiance varies.
     pub fn changes_light(&self) -> bool {
-        self.light.is_some() || self.radiance_varies()
+        self.light.is_some() || self.lens.picture().is_some() || self.radiance_varies()
     }
 
     /// Whether the factor (n'/n)² of the radiance depends on the wavelength of the ray.
@@ -107,12 +108,14 @@ pub fn behind_front(traced: &TracedLens<'_>, row: usize) -> String {
     length.subtracted()
 }
 
-/// Returns the function `trace`.
+/// Returns the function `trace`, and the function `picture` that it calls if a picture dims the light.
 pub fn text(traced: &TracedLens<'_>) -> String {
     let lens = traced.lens;
     let moving: String = traced.moving().iter().map(|name| format!(", float {name}")).collect();
     let left = if traced.changes_light() { ", output float left" } else { "" };
-    let mut text = format!(
+    let mut text = lens.picture().map_or_else(String::new, picture_function);
+    let _ = write!(
+        text,
         "/* Takes a ray from (x, y) on the plane of the last vertex, with unit direction (vx, vy, vz), through every\n   \
             surface to the first: the point is then in the frame of the first vertex. 0: it is blocked. Lengths in mm;\n   \
             stop: the clear diameter of the stop over its widest{}{}. */\n\
@@ -171,7 +174,7 @@ pub fn text(traced: &TracedLens<'_>) -> String {
         let changes = absorption[i].as_ref() != ahead;
         if is_plane && surface.n_film == surface.n_scene && !changes {
             opening(&mut text, &pending, &limit);
-            apertures(&mut text, &surface.apertures, &radius, ["f", "g", "vz"]);
+            apertures(&mut text, traced, &surface.apertures, &radius, ["f", "g", "vz"]);
             continue;
         }
         let absorbed = absorption[i].as_ref().map_or_else(String::new, |coefficient| {
@@ -217,7 +220,7 @@ pub fn text(traced: &TracedLens<'_>) -> String {
             let light = light((["e", "f"], normal));
             sphere(&mut text, traced, surface, pending.most, &limit, [&squares[0], &step], &light);
         }
-        apertures(&mut text, &surface.apertures, &radius, ["x", "y", "1.0"]);
+        apertures(&mut text, traced, &surface.apertures, &radius, ["x", "y", "1.0"]);
         if ahead.is_some() {
             text += "  px = x;\n  py = y;\n  pz = z;\n";
         }
@@ -246,7 +249,13 @@ fn opening(text: &mut String, ahead: &Length, limit: &str) {
 
 /// Writes the tests of the apertures and obstructions inside a clear aperture of the semi-diameter `radius`, for the
 /// point (x, y) times `w`. The constants are those of [`ApertureTest`] for a clear semi-diameter of 1.
-fn apertures(text: &mut String, apertures: &[Aperture], radius: &str, [x, y, w]: [&str; 3]) {
+fn apertures(
+    text: &mut String,
+    traced: &TracedLens<'_>,
+    apertures: &[Aperture],
+    radius: &str,
+    [x, y, w]: [&str; 3],
+) {
     for aperture in apertures {
         let test = ApertureTest::<f64>::new(aperture, 1.0);
         let inside = match &test.outline {
@@ -273,11 +282,44 @@ fn apertures(text: &mut String, apertures: &[Aperture], radius: &str, [x, y, w]:
                 }
                 "m > 0.5".to_owned()
             }
-            OutlineTest::Picture(_) => unreachable!("a lens of a file has no picture"),
+            OutlineTest::Picture(PictureTest { axes, offset, .. }) => {
+                let [[xx, xy], [yx, yy]] = axes.map(|row| row.map(number));
+                let [column, row] = offset.map(number);
+                let polarised = if traced.light.is_some() { "  stokes = stokes*m;\n" } else { "" };
+                let _ = write!(
+                    text,
+                    "  u = ({xx}*{x} + {xy}*{y})/({radius}*{w}) + {column};\n  \
+                       v = ({yx}*{x} + {yy}*{y})/({radius}*{w}) + {row};\n  \
+                       m = picture(u, v);\n  left *= m;\n{polarised}"
+                );
+                "m > 0".to_owned()
+            }
         };
         let blocked = if test.is_obstruction { inside } else { format!("!({inside})") };
         let _ = writeln!(text, "  if ({blocked})\n    return 0;");
     }
+}
+
+/// Returns the function `picture` of the transmission of a picture, which is [`StopPicture::at`].
+fn picture_function(picture: &StopPicture) -> String {
+    let stride = picture.stride();
+    let [[first, _], [right, bottom]] = picture.borders().map(|place| place.map(number));
+    // Each cell has the value of its own point and that one row below; the last cell has no point of its own.
+    let points = &picture.cells()[..picture.cells().len() - 1];
+    format!(
+        "/* The transmission of the stop's picture at a place that is counted in points of its grid, of which the border\n   \
+            repeats the outermost pixels. 0 outside. */\n\
+         float picture(float column, float row)\n{{\n{}  \
+           if (!(column >= {first} && column <= {right} && row >= {first} && row <= {bottom}))\n    return 0;\n  \
+           int i = int(column);\n  int j = int(row);\n  \
+           float u = column - i;\n  float v = row - j;\n  \
+           i += j*{stride};\n  \
+           float above = (1 - u)*P[i] + u*P[i + 1];\n  \
+           float below = (1 - u)*P[i + {stride}] + u*P[i + {}];\n  \
+           return (1 - v)*above + v*below;\n}}\n\n",
+        array("P", points.iter().map(|cell| f64::from(cell[0]))),
+        stride + 1,
+    )
 }
 
 fn plane(text: &mut String, limit: &str, step: &str, light: &str) {

@@ -105,9 +105,9 @@ const WRONG_USES: &[WrongUse] = &[
     (&["render", "lens.json"], 1, &["lens.json:1:1: JSON", "read are a table"]),
     (&["lens", "."], 1, &["is a directory; give a file in it"]),
     (
-        &["blender", "dgauss.50mm", "--stop-picture", "heart.png"],
-        2,
-        &["this command has no \"stop_picture\""],
+        &["blender", "dgauss.50mm", "--stop-picture", "none.png"],
+        1,
+        &["\"stop_picture\": no picture \"none.png\""],
     ),
     (
         &["render", "dgauss.50mm", "--stop-picture", "none.png"],

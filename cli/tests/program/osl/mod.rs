@@ -3,6 +3,7 @@
 
 mod apertures;
 mod media;
+mod picture;
 
 use realistic_camera::sampling::PupilDisk;
 use realistic_camera::{FocusBy, Host, Parameters, Raster, Zoom, group_reach, open_lens};

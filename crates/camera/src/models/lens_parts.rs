@@ -242,7 +242,7 @@ pub(super) fn plan_and_compile(
         wavelength: setup.is_dispersive().then_some(lens.wavelength),
         transmission: setup.coatings.is_some(),
         ghosts: setup.ghosts > 0.0,
-        picture: lens.has_picture(),
+        picture: lens.picture().is_some(),
     };
     describe_requests(&requests, &mut plan);
     body.placement.describe(&mut plan);

@@ -34,7 +34,7 @@ impl<R: Real> WalkTracer<R> {
             None => Surfaces::lossless(lens),
         };
         let whole = || Path::film_to_scene(lens).with_apertures(lens);
-        let carries_light = body.coatings.is_some() || lens.has_picture();
+        let carries_light = body.coatings.is_some() || lens.picture().is_some();
         let lit = carries_light.then(|| LitPath::new(whole(), &surfaces()));
         Self { film: body.film_sampling(), path, lit, body: body.clone() }
     }

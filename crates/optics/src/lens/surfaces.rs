@@ -298,10 +298,13 @@ impl Lens {
         }
     }
 
-    /// Whether a picture dims the light of rays.
-    pub fn has_picture(&self) -> bool {
-        let apertures = self.surfaces.iter().flat_map(|surface| surface.apertures.iter());
-        apertures.into_iter().any(|aperture| matches!(aperture.outline, Outline::Picture(_)))
+    /// Returns the picture that dims the light of rays, if there is one.
+    pub fn picture(&self) -> Option<&StopPicture> {
+        let mut apertures = self.surfaces.iter().flat_map(|surface| surface.apertures.iter());
+        apertures.find_map(|aperture| match &aperture.outline {
+            Outline::Picture(picture) => Some(&**picture),
+            _ => None,
+        })
     }
 
     /// Returns the lens with clear apertures alone.
