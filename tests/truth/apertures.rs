@@ -185,6 +185,21 @@ fn shapes_follow_a_stop_that_is_narrowed_and_blades_keep_company() {
 }
 
 #[test]
+fn samples_lie_in_the_circle_around_a_shape() {
+    let cases = [
+        ("aperture 4 ring 1.5 3.5", 1.0 - (1.5_f64 / 3.5).powi(2)),
+        ("aperture 4 rectangle 1.5 1.5 rotation=20", 4.0 / TAU),
+        ("aperture 4 circle 1 x=1", 0.25),
+    ];
+    for (line, expected) in cases {
+        for given in [&[][..], &[("aperture_diameter", "4")]] {
+            let found = light::acceptance(&camera(line, given), 20_000, 2);
+            assert!((found - expected).abs() < 0.015, "{line} {given:?}: {found} {expected}");
+        }
+    }
+}
+
+#[test]
 fn apertures_of_a_table_are_what_it_says() {
     let own = read("t", format!("{TABLE}aperture 2 ring 2 5 y=1\nobstruction 5 circle 0.5\n").as_bytes())
         .expect("read");

@@ -62,7 +62,7 @@ pub struct AdjointLens {
     film: ImportanceFilm,
     /// The kernel from scene to film, with all apertures.
     kernel: LightKernel,
-    /// The path from scene to film with clear apertures alone.
+    /// The path from scene to film with circles as its only apertures.
     whole: Path,
     /// The entrance pupil.
     pupil: EntrancePupil,
@@ -77,13 +77,13 @@ impl AdjointLens {
     pub fn new(lens: &Lens, body: &CameraBody) -> Self {
         let pupil = AxialBeam::of(lens).entrance;
         let film = ImportanceFilm::new(body, lens.radiance_factor());
-        let whole = Path::new(lens, Direction::SceneToFilm, Refraction::Fused);
-        let kernel = Kernel::along(&whole.clone().with_apertures(lens));
+        let path = Path::new(lens, Direction::SceneToFilm, Refraction::Fused).with_apertures(lens);
+        let kernel = Kernel::along(&path);
         Self {
             front: Front::of(lens),
             film,
             kernel: LightKernel::new(kernel, lens, body.coatings.as_deref()),
-            whole,
+            whole: path.with_circles(),
             pupil,
             reference: pupil
                 .position()

@@ -74,14 +74,11 @@ impl RealisticCamera {
     /// another.
     fn from_setup(setup: Setup, log: Log<'_>) -> Result<Self, CameraError> {
         let Facts { lens, film, .. } = &setup.facts;
-        let path = Path::new(lens, Direction::FilmToScene, setup.refraction);
+        let path = Path::new(lens, Direction::FilmToScene, setup.refraction).with_apertures(lens);
         let film_z = setup.facts.film_z();
         let rear = rear_disk(&setup, film_z)?;
         let exit = PupilDisk::exit(lens, film_z);
         let sampler = pupil_sampler(&setup, &path, film_z, [rear, exit], log);
-        // The sampled pupil is that of the clear apertures; rays that other apertures block are traced in
-        // vain.
-        let path = path.with_apertures(lens);
         let weight = weight_factor(&setup, &path, film_z, &sampler, [rear, exit])?;
         let body = CameraBody {
             film_side: FilmSide { film: *film, z: film_z, mapping: setup.mapping, sampler },

@@ -14,7 +14,7 @@ use realistic_base::numeric::edge;
 /// rounding. Other apertures and obstructions are tested along many radii, with a relative error below 1e-5, and a
 /// picture is sampled there.
 pub fn on_axis<R: Real>(path: &Path<R>, film: f64, reach: f64) -> f64 {
-    let clear = path.clone().without_apertures();
+    let clear = path.clone().with_circles();
     let passes = |slope: f64| clear.trace(film_ray([0.0; 2], film, [slope, 0.0])).is_ok();
     let annuli = open_parts([0.0, reach], 512, 0.0, passes);
     if path.has_apertures() {

@@ -62,8 +62,9 @@ impl Aperture {
         }
     }
 
-    /// Returns the distance from the axis to the farthest point of the outline; 0 for the opening of blades and for a
-    /// picture. A row whose clear semi-diameter is this distance clips nothing of the outline.
+    /// Returns the distance from the axis to the farthest point inside the outline, in the unit of the outline; that of
+    /// blades and of a picture is the clear semi-diameter. A clear semi-diameter of this distance clips nothing of the
+    /// outline.
     pub fn reach(&self) -> f64 {
         match &self.outline {
             Outline::Ellipse(semi_axes) => {
@@ -71,7 +72,8 @@ impl Aperture {
             }
             Outline::Rectangle([x, y]) => self.farthest(&[[*x, *y], [-x, *y], [-x, -y], [*x, -y]]),
             Outline::Polygon(vertices) => self.farthest(vertices),
-            Outline::Blades(_) | Outline::Picture(_) => 0.0,
+            Outline::Blades(_) => 1.0,
+            Outline::Picture(picture) => picture.reach(),
         }
     }
 

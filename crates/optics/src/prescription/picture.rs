@@ -44,6 +44,11 @@ impl StopPicture {
         Self { size: [width, height], cells: cells.into() }
     }
 
+    /// Returns the width and the height, pixels.
+    pub fn size(&self) -> [usize; 2] {
+        self.size
+    }
+
     /// Returns the number of points in a row of [`StopPicture::cells`].
     pub fn stride(&self) -> usize {
         self.size[0] + 2
@@ -78,6 +83,25 @@ impl StopPicture {
         let [width, height] = self.size.map(|side| side as f64);
         // The centre of the first pixel has the number 1.
         [[0.5 * width, 0.5 * width + 0.5], [-0.5 * width, 0.5 * height + 0.5]]
+    }
+
+    /// Returns the distance from the axis to the farthest point that passes light, in units of the clear semi-diameter;
+    /// at most 1.
+    pub fn reach(&self) -> f64 {
+        let [[per_column, middle], [per_row, center]] = self.to_place();
+        let [from, to] = self.borders();
+        let stride = self.stride();
+        // Light passes at less than one point's distance from a point that is not black.
+        let farthest = |at: usize, axis: usize, middle: f64| {
+            let ends = [at as f64 - 1.0, at as f64 + 1.0].map(|end| end.clamp(from[axis], to[axis]) - middle);
+            ends.map(f64::abs).into_iter().fold(0.0, f64::max)
+        };
+        let bright = self.cells[..self.cells.len() - 1].iter().enumerate().filter(|(_, cell)| cell[0] > 0.0);
+        let distance = |(i, _)| {
+            let [x, y] = [farthest(i % stride, 0, middle), farthest(i / stride, 1, center)];
+            (x / per_column).hypot(y / per_row)
+        };
+        bright.map(distance).fold(0.0, f64::max).min(1.0)
     }
 
     /// Returns the mean transmission over the disk of the stop.
@@ -124,6 +148,19 @@ mod tests {
         assert_eq!([at(f64::NAN, 0.0), at(9.0, 0.0)], [0.0; 2]);
         let square = StopPicture::new([3, 3], &[0.5; 9]);
         assert!((square.mean() - 0.5).abs() < 1e-12 && (square.times(2.0).mean() - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_reach_ends_where_interpolation_is_black() {
+        let one = |size: [usize; 2], bright: usize| {
+            let mut values = vec![0.0; size[0] * size[1]];
+            values[bright] = 1.0;
+            StopPicture::new(size, &values).reach()
+        };
+        // Half a pixel and the half of the next one, of three over the diameter.
+        assert!((one([3, 3], 4) - 2.0_f64.sqrt() * 2.0 / 3.0).abs() < 1e-12);
+        assert!((one([3, 1], 1) - (2.0_f64 / 3.0).hypot(1.0 / 3.0)).abs() < 1e-12);
+        assert!(one([3, 3], 0) == 1.0 && one([1, 1], 0) == 1.0);
     }
 
     #[test]

@@ -16,6 +16,8 @@ pub struct ApertureTest<R> {
     pub outline: OutlineTest<R>,
     /// Whether points inside the outline are blocked, and not those outside.
     pub is_obstruction: bool,
+    /// Distance from the axis to the farthest point inside the outline, mm.
+    pub reach: R,
 }
 
 /// The test whether a point lies inside an outline.
@@ -124,7 +126,8 @@ impl<R: Real> ApertureTest<R> {
                 })
             }
         };
-        Self { outline, is_obstruction: aperture.is_obstruction }
+        let reach = R::from_f64(aperture.reach() * semi_diameter);
+        Self { outline, is_obstruction: aperture.is_obstruction, reach }
     }
 
     /// Returns whether the aperture passes a point of the surface, mm. An aperture blocks NaN.
@@ -172,7 +175,7 @@ impl<R: Real> ApertureTest<R> {
                 })
             }
         };
-        ApertureTest { outline, is_obstruction: self.is_obstruction }
+        ApertureTest { outline, is_obstruction: self.is_obstruction, reach: round(self.reach) }
     }
 }
 

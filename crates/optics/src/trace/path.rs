@@ -198,19 +198,28 @@ impl<R: Real> Path<R> {
         self
     }
 
-    /// Returns the same path with clear apertures alone, for searches of the edge of a pupil.
+    /// Returns the same path with circles about the axis as its only apertures, each around all that the apertures of the
+    /// surface pass. Searches of the edge of a pupil need a path of revolution. A circle is an overestimate, but of most
+    /// shapes a good one.
     #[must_use]
-    pub fn without_apertures(mut self) -> Self {
-        self.steps.iter_mut().for_each(|step| step.apertures = Arc::default());
+    pub fn with_circles(mut self) -> Self {
+        for step in &mut self.steps {
+            let apertures = step.apertures.iter().filter(|test| !test.is_obstruction);
+            let squares = apertures.map(|test| test.reach * test.reach);
+            step.aperture =
+                squares.fold(step.aperture, |least, square| if square < least { square } else { least });
+            step.apertures = Arc::default();
+        }
         self
     }
 
     /// Returns the same path without any test that could clip a ray.
     #[must_use]
-    pub fn without_edges(self) -> Self {
-        let mut path = self.without_apertures();
-        path.steps.iter_mut().for_each(|step| step.aperture = R::from_f64(f64::INFINITY));
-        path
+    pub fn without_edges(mut self) -> Self {
+        for step in &mut self.steps {
+            (step.aperture, step.apertures) = (R::from_f64(f64::INFINITY), Arc::default());
+        }
+        self
     }
 
     /// Whether the path tests apertures or obstructions other than clear apertures.

@@ -120,7 +120,7 @@ impl Spectral {
         }
         let side = |wavelength| {
             let lens = self.optics.at(wavelength);
-            let path = Path::new(&lens, Direction::FilmToScene, Refraction::Fused);
+            let path = Path::new(&lens, Direction::FilmToScene, Refraction::Fused).with_apertures(&lens);
             let (cover, exit) = (
                 PupilDisk::rear_of_depth(&lens, *z, film.reach(), film.depth())?,
                 PupilDisk::exit(&lens, *z),

@@ -24,7 +24,7 @@ impl PupilFilmSide {
     /// Prepares film at z = `film`, behind the lens. `cover` is a disk that contains every pupil; `exit` is
     /// the paraxial exit pupil.
     pub fn new(path: &Path, film: f64, [cover, exit]: [PupilDisk; 2]) -> Self {
-        let path = path.clone().without_apertures();
+        let path = path.clone().with_circles();
         let (clearances, intervals) = (ClearanceTracer::new(&path, film), intervals(&path));
         Self { clearances, intervals, cover, exit, rays: AtomicU32::new(0) }
     }
