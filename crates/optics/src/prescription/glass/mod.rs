@@ -16,6 +16,7 @@
 mod built_in;
 pub(super) mod formula;
 pub(super) mod library;
+mod tabulated;
 mod transmittance;
 pub(super) mod two_numbers;
 
@@ -27,8 +28,10 @@ pub use formula::{
     C_LINE, D_LINE, F_LINE, Formula, HERZBERGER, HIGHEST_POWER, LOWEST_POWER, VALID_WAVELENGTHS,
 };
 pub use library::{Found, GlassLibrary};
+pub(super) use tabulated::tabulated;
 pub(crate) use transmittance::MOST_NM;
 pub use transmittance::{InternalTransmittance, MOST_PER_MM};
+pub(super) use two_numbers::{by_fractions, by_pair};
 
 /// Returns the refractive index of `medium` at `wavelength` nm (within [`VALID_WAVELENGTHS`]).
 ///
@@ -292,6 +295,24 @@ mod tests {
             "",
         ] {
             assert_eq!(numbers(word), None, "{word}");
+        }
+    }
+
+    #[test]
+    fn a_code_of_two_fractions_is_its_two_numbers() {
+        for (code, numbers) in [
+            ("517.642", Some([1.517, 64.2])),
+            ("620.6030", Some([1.62, 60.3])),
+            ("516800.641700", Some([1.5168, 64.17])),
+            ("003.283", Some([2.003, 28.3])),
+            ("516.64", Some([1.516, 64.0])),
+            ("517642", None),
+            ("51.64", None),
+            ("517.6x", None),
+            ("517.00", None),
+        ] {
+            let medium = numbers.map(|[n_d, abbe]| Medium::Glass { n_d, abbe: Some(abbe) });
+            assert_eq!(two_numbers::by_fractions(code), medium, "{code}");
         }
     }
 

@@ -68,6 +68,30 @@ pub fn by_code(word: &str) -> Option<Medium> {
     (v > 0).then(|| Medium::Glass { n_d: f64::from(thousandths) / 1e3, abbe: Some(f64::from(v) / 10.0) })
 }
 
+/// Returns the glass of a code with a point between two decimal fractions, as Code V and LensHH write it: 517.642 and
+/// 516800.641700 mean n_d 1.517 and V 64.2, and n_d 1.5168 and V 64.17. A first fraction below 0.3 means an index from
+/// 2.0, as in [`by_code`]. Returns `None` for any other word.
+pub fn by_fractions(word: &str) -> Option<Medium> {
+    let (n, v) = word.split_once('.')?;
+    let is_fraction = |digits: &str, least: usize| {
+        (least..=12).contains(&digits.len()) && digits.bytes().all(|byte| byte.is_ascii_digit())
+    };
+    if !is_fraction(n, 3) || !is_fraction(v, 2) {
+        return None;
+    }
+    let whole = if n < "3" { 2 } else { 1 };
+    let n_d = format!("{whole}.{n}").parse().ok()?;
+    let abbe = format!("{}.{}", &v[..2], &v[2..]).parse().ok()?;
+    (abbe > 0.0).then_some(Medium::Glass { n_d, abbe: Some(abbe) })
+}
+
+/// Returns the glass of n_d and V with a colon between them, as 1.5168:64.17. Returns `None` for any other word.
+pub fn by_pair(word: &str) -> Option<Medium> {
+    let (n_d, abbe) = word.split_once(':')?;
+    let number = |text: &str| text.parse().ok().filter(|number: &f64| number.is_finite());
+    Some(Medium::Glass { n_d: number(n_d)?, abbe: Some(number(abbe)?).filter(|abbe| *abbe > 0.0) })
+}
+
 /// Returns n(λ) of the glass. At the d line, written with five digits or with seven, the index is exactly n_d. By the
 /// definition of V, n_F - n_C is (n_d - 1)/V.
 ///

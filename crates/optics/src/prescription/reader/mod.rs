@@ -1,6 +1,6 @@
 //! The reader of lens files. This module recognises the format of a text. Each format has its own module: the
-//! project's own [`table`], [`optical_bench`] text, [`zemax`] files and their archives ([`zar`]), [`flaresim`],
-//! [`physical_camera`] and [`json`] files, and [`agf`] catalogues of glass. Every lens format produces rows, from which
+//! project's own [`table`], [`optical_bench`] text, [`zemax`] files and their archives ([`zar`]), [`code_v`] sequences,
+//! [`oslo`], [`flaresim`], [`physical_camera`] and [`json`] files, and [`agf`] catalogues of glass. Every lens format produces rows, from which
 //! [`surface_rows`] builds checked interfaces. Files of other programs are not supported; [`binary`] and [`foreign`]
 //! recognise them by their beginning, so that the message names the program instead of reporting a misread number.
 //!
@@ -15,12 +15,16 @@
 //! these limits, and a file from elsewhere must not keep the reader busy.
 
 pub(super) mod agf;
+mod code_v;
+mod commands;
 mod flaresim;
 mod json;
 mod ledger;
 mod named_glass;
 mod optical_bench;
+mod oslo;
 mod physical_camera;
+mod record;
 mod sequential;
 mod surface_rows;
 mod table;
@@ -80,6 +84,8 @@ pub fn read_with(name: &str, bytes: &[u8], library: &GlassLibrary) -> Result<Pre
         Format::Table => table::read(name, &bytes, library, &mut ledger),
         Format::OpticalBench => optical_bench::read(&text, library, &mut ledger),
         Format::Zemax => zemax::read(&text, library, None, &mut ledger),
+        Format::CodeV => code_v::read(&text, library, &mut ledger),
+        Format::Oslo => oslo::read(&text, library, &mut ledger),
         Format::FlareSim => flaresim::read(&text, &mut ledger),
         Format::PhysicalCamera => physical_camera::read(&text, &mut ledger),
         Format::Json => json::read(&text, library, &mut ledger),
@@ -122,6 +128,8 @@ enum Format {
     Table,
     OpticalBench,
     Zemax,
+    CodeV,
+    Oslo,
     FlareSim,
     PhysicalCamera,
     Json,
@@ -153,11 +161,12 @@ impl Format {
                 None
             }
         };
-        let unknown = || match foreign(bytes) {
-            _ if is_toml(bytes.trim_ascii_start()) && physical_camera::is_lens(bytes) => Self::PhysicalCamera,
+        let start = bytes.trim_ascii_start();
+        let unknown = || match foreign(start) {
+            _ if is_toml(start) && physical_camera::is_lens(bytes) => Self::PhysicalCamera,
             Some(message) => Self::Foreign(message),
-            None if json::is_json(bytes) => Self::Json,
-            None => Self::Table,
+            None if json::is_json(start) => Self::Json,
+            None => by_commands(start).unwrap_or(Self::Table),
         };
         lines.into_iter().find_map(known).unwrap_or_else(unknown)
     }
@@ -171,9 +180,10 @@ fn short_name(name: &str) -> String {
 
 /// The supported formats, for messages about other files.
 const READ: &str = "read are a table with a line for each surface (radius, thickness, index and clear diameter in mm: \
-                    docs/lens-format.md), Optical Bench text, Zemax text (.zmx) and archives (.zar), FlareSim text \
-                    (.lens), Physical Camera's lenses (.toml), and JSON of LensHH (.lhlt), RayOptics (.roa), Optiland, \
-                    DeepLens and ghostlight (.lens); export one of these";
+                    docs/lens-format.md), Optical Bench text, Zemax text (.zmx) and archives (.zar), Code V \
+                    sequences (.seq), OSLO text (.len), FlareSim text (.lens), Physical Camera's lenses (.toml), and \
+                    JSON of LensHH (.lhlt), RayOptics (.roa), Optiland, DeepLens, ghostlight (.lens), ISET and Geopter; \
+                    export one of these";
 
 /// Recognises, by its first bytes, a file that is not text, or a file that only refers to another file.
 fn binary(bytes: &[u8]) -> Option<&'static str> {
@@ -194,12 +204,11 @@ fn binary(bytes: &[u8]) -> Option<&'static str> {
 }
 
 /// Recognises a text written for another program.
-fn foreign(bytes: &[u8]) -> Option<String> {
-    let start = bytes.trim_ascii_start();
-    let what = match start {
-        _ if is_toml(start) => "TOML without the tables [lens] and [[surface]] of Physical Camera",
+fn foreign(text: &[u8]) -> Option<String> {
+    let what = match text {
+        _ if is_toml(text) => "TOML without the tables [lens] and [[surface]] of Physical Camera",
         [b'<', ..] => "XML, and no lens is read from XML",
-        _ => by_commands(start)?,
+        _ => return None,
     };
     Some(format!("{what}; {READ}"))
 }
@@ -232,19 +241,17 @@ const BEGINNING: usize = 20;
 
 /// Recognises a text of Code V or OSLO by the commands at its beginning. Comments of either program and of tables are
 /// ignored.
-fn by_commands(text: &[u8]) -> Option<&'static str> {
-    const CODE_V: &str = "a lens of Code V (.seq), which is not read";
-    const OSLO: &str = "a lens of OSLO (.len), which is not read";
+fn by_commands(text: &[u8]) -> Option<Format> {
     statements(text, b"!#").take(BEGINNING).find_map(|line| {
         let line = line.to_ascii_uppercase();
         let mut words = line.split(|byte| byte.is_ascii_whitespace() || *byte == b';');
         match (words.next()?, words.next()) {
-            (b"//", Some(b"OSLO")) | (b"LEN", Some(b"NEW")) => Some(OSLO),
+            (b"//", Some(b"OSLO")) | (b"LEN", Some(b"NEW")) => Some(Format::Oslo),
             (
                 b"RDM" | b"LEN" | b"TIT" | b"TITLE" | b"INI" | b"DIM" | b"EPD" | b"FNO" | b"NAO" | b"WL"
                 | b"WTW" | b"REF" | b"XAN" | b"YAN" | b"XIM" | b"YIM" | b"XOB" | b"YOB" | b"SO" | b"SI",
                 _,
-            ) => Some(CODE_V),
+            ) => Some(Format::CodeV),
             _ => None,
         }
     })
@@ -252,19 +259,13 @@ fn by_commands(text: &[u8]) -> Option<&'static str> {
 
 #[cfg(test)]
 mod tests {
+    use super::Format;
     use crate::prescription::read;
 
     #[test]
     fn files_of_other_programs_are_told_by_how_they_begin() {
         for (text, what) in [
-            (&b"RDM;LEN\nTITLE 'x'\n"[..], "Code V"),
-            (b"! a comment\nLEN\nS 20 5 NBK7\n", "Code V"),
-            (b"tit 'a singlet'\ndim m\nso 0 1e10\n", "Code V"),
-            (b"! exported\nINI \"A\"\nRDM;LEN\nDIM M\nEPD 5\nWL 587.56\nSO 0 0.1E+21 AIR\nS 50 4 516.64\n  STO\n", "Code V"),
-            (b"# by hand\n'a title'\nepd 5\nso 0 1e10\n", "Code V"),
-            (b"// OSLO 6.1\nLEN NEW \"x\" 50 3\n", "OSLO"),
-            (b"! from a colleague\nLEN NEW \"x\" 50 3\n", "OSLO"),
-            (b" {\"surfaces\": []}", "JSON"),
+            (&b" {\"surfaces\": []}"[..], "JSON"),
             (b"[ [20, 5, 1.5]]", "JSON"),
             (b"[[20, 5, 1.5]]", "JSON"),
             (b"[lens]\nname = \"doublet\"\n\n[[surfaces]]\nradius = 50.0\n", "TOML"),
@@ -278,6 +279,23 @@ mod tests {
         // A comment or stop row that begins with the letters of a command is not a command.
         for text in ["# SO it is\n20 5 1.5 10\n-20 30 1 10", "stop 3 1 8\n20 5 1.5 10\n-20 30 1 10"] {
             assert!(read("own", text.as_bytes()).is_ok(), "{text}");
+        }
+    }
+
+    #[test]
+    fn sequences_are_told_by_a_command_at_the_beginning() {
+        let of = |text: &str| Format::of(text.as_bytes());
+        for text in [
+            "RDM;LEN\nTITLE 'x'\n",
+            "! a comment\nLEN\nS 20 5 NBK7\n",
+            "tit 'a singlet'\ndim m\nso 0 1e10\n",
+            "! exported\nINI \"A\"\nRDM;LEN\nDIM M\nEPD 5\n",
+            "# by hand\n'a title'\nepd 5\nso 0 1e10\n",
+        ] {
+            assert_eq!(of(text), Format::CodeV, "{text}");
+        }
+        for text in ["// OSLO 6.1\nLEN NEW \"x\" 50 3\n", "! from a colleague\nLEN NEW \"x\" 50 3\n"] {
+            assert_eq!(of(text), Format::Oslo, "{text}");
         }
     }
 

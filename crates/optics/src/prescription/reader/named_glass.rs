@@ -101,7 +101,25 @@ impl<'a> NamedGlasses<'a> {
         }
     }
 
-    fn use_as(&mut self, name: &str, glass: Glass) -> MediumBehind {
+    /// Returns the medium of a glass `NAME_MAKER` or `NAME`, and a remark if another maker's glass is taken.
+    ///
+    /// # Errors
+    /// No maker's glass of that name is known; the text gives the reason and a remedy.
+    pub(super) fn of_maker(&mut self, name: &str) -> Result<(MediumBehind, Option<String>), String> {
+        let Some((plain, maker)) = name.rsplit_once('_') else {
+            return Ok((self.by_name(name, None, None)?, None));
+        };
+        if let Ok(medium) = self.by_name(&format!("{maker}:{plain}"), None, None) {
+            return Ok((medium, None));
+        }
+        let medium = self.by_name(plain, None, None)?;
+        let remark =
+            format!("no glass {} of {} is known; that of another maker is used", cut(plain), cut(maker));
+        Ok((medium, Some(remark)))
+    }
+
+    /// Returns the medium of a glass that the file defines under this name.
+    pub(super) fn use_as(&mut self, name: &str, glass: Glass) -> MediumBehind {
         MediumBehind::named(name, glass, &mut self.named)
     }
 

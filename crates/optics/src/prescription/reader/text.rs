@@ -68,6 +68,13 @@ impl<'a> Text<'a> {
     }
 }
 
+/// Returns a title without control characters and the quotes around it; `None` if nothing is left.
+pub(super) fn title(text: Option<&str>) -> Option<String> {
+    let plain: String = text?.chars().filter(|c| !c.is_control()).collect();
+    let plain = plain.trim_matches(|c: char| c == '"' || c.is_whitespace());
+    Some(plain.to_owned()).filter(|title| !title.is_empty())
+}
+
 /// A cell or word of a line, without the spaces around it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cell<'a> {

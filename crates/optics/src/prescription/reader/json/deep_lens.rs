@@ -12,7 +12,7 @@ use crate::prescription::{
     interfaces::{Asphere, Medium, NO_TERMS, Prescription, Stated},
     reader::{
         ledger::Ledger,
-        sequential::{SequentialLens, SequentialSurface, set_term},
+        sequential::{SequentialLens, SequentialSurface, asphere, set_term},
         surface_rows::MediumBehind,
     },
 };
@@ -163,8 +163,7 @@ fn figure(part: Part<'_>, number: &str, ledger: &mut Ledger<'_>) -> Result<Optio
             ledger.warn(Fate::Replaced, place.node.location, "ai", Some(number), reason);
         }
     }
-    let asphere = Asphere { radius: f64::INFINITY, conic, terms };
-    Ok((conic != 0.0 || terms != NO_TERMS).then_some(asphere))
+    Ok(asphere(conic, terms))
 }
 
 /// Returns the medium behind a surface.

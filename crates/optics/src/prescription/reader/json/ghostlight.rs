@@ -13,7 +13,7 @@ use crate::prescription::{
     interfaces::{Asphere, Medium, NO_TERMS, Prescription, has_coating},
     reader::{
         ledger::Ledger,
-        sequential::{Place, SequentialLens, SequentialSurface, set_term},
+        sequential::{Place, SequentialLens, SequentialSurface, asphere, set_term},
         surface_rows::MediumBehind,
     },
 };
@@ -286,8 +286,7 @@ fn figure(form: Part<'_>, number: &str) -> Result<Option<Asphere>, LensFileError
     for (power, &value) in (4..).step_by(2).zip(&form.numbers("terms")?) {
         set_term(&mut terms, power, value).map_err(|why| refused(form, number, why))?;
     }
-    let asphere = Asphere { radius: f64::INFINITY, conic, terms };
-    Ok((conic != 0.0 || terms != NO_TERMS).then_some(asphere))
+    Ok(asphere(conic, terms))
 }
 
 /// Returns the number of layers of a coating. Coatings that only the file's program knows are left out.

@@ -13,11 +13,11 @@ use super::{
 };
 use crate::prescription::{
     Aperture as Outline, Fate, LensFileError, Outline as Figure,
-    glass::{GlassLibrary, loose},
-    interfaces::{Asphere, Medium, NO_TERMS, Prescription},
+    glass::{GlassLibrary, by_fractions, loose},
+    interfaces::{Medium, NO_TERMS, Prescription},
     reader::{
         ledger::Ledger,
-        sequential::{Aperture, Field, SequentialLens, SequentialSurface, nanometres, set_term},
+        sequential::{Aperture, Field, SequentialLens, SequentialSurface, asphere, nanometres, set_term},
         surface_rows::{MediumBehind, checked},
         text::Location,
     },
@@ -129,6 +129,7 @@ pub(super) fn read(
         field: field(root, ledger)?,
         wavelength: wavelength(root)?,
         keys: ["Surfaces", "SemiDiameter", "Thickness"],
+        unit: 1.0,
     };
     let (lens, _) = lens.prescription(root.text, root.node.location, ledger)?;
     let title = title(root.string("Title")?);
@@ -182,11 +183,7 @@ fn surface(
     let size = size(part, number, ledger)?;
     Ok(SequentialSurface {
         curvature: curvature(part.number_or_infinity("Radius")?.unwrap_or(f64::INFINITY)),
-        asphere: (conic != 0.0 || terms != NO_TERMS).then_some(Asphere {
-            radius: f64::INFINITY,
-            conic,
-            terms,
-        }),
+        asphere: asphere(conic, terms),
         behind: medium(part, number, glasses)?,
         semi_diameter: size.clip.or(size.listed),
         listed: size.listed,
@@ -274,18 +271,12 @@ fn medium(
     if name.eq_ignore_ascii_case("MIRROR") {
         return Err(refused(material, number, "is a mirror; only lenses that refract are traced"));
     }
-    match code(name) {
-        Some((n_d, abbe)) => by_numbers(name, n_d, Some(abbe), glasses).map_err(|why| material.error(why)),
-        None => by_name(material, name, glasses),
+    match by_fractions(name).filter(|_| name.len() == 8 && name.as_bytes()[3] == b'.') {
+        Some(Medium::Glass { n_d, abbe }) => {
+            by_numbers(name, n_d, abbe, glasses).map_err(|why| material.error(why))
+        }
+        _ => by_name(material, name, glasses),
     }
-}
-
-/// Returns n_d and V of a code of three digits, a point and four digits.
-fn code(name: &str) -> Option<(f64, f64)> {
-    let (index, abbe) = name.split_once('.').filter(|(index, abbe)| index.len() == 3 && abbe.len() == 4)?;
-    let number =
-        |text: &str| text.parse::<u16>().ok().filter(|_| text.bytes().all(|byte| byte.is_ascii_digit()));
-    Some((1.0 + f64::from(number(index)?) / 1000.0, f64::from(number(abbe)?) / 100.0))
 }
 
 /// Returns the thickness behind a surface of the lens.

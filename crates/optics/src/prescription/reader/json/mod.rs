@@ -1,12 +1,14 @@
 //! Lens files in JSON. The keys at the beginning tell the program that wrote the file.
 //!
 //! `document` parses the text. `fates` records the fate of every key. Each format has its own module: `lhlt` (LensHH),
-//! `ray_optics`, `optiland`, `deep_lens` and `ghostlight`.
+//! `ray_optics`, `optiland`, `deep_lens`, `ghostlight`, `iset` and `geopter`.
 
 mod deep_lens;
 mod document;
 mod fates;
+mod geopter;
 mod ghostlight;
+mod iset;
 mod lhlt;
 mod optiland;
 mod ray_optics;
@@ -14,9 +16,9 @@ mod ray_optics;
 use super::{
     ledger::Ledger,
     named_glass::NamedGlasses,
-    sequential::Place,
+    sequential::{CURVED_IMAGE, Place},
     surface_rows::{self, MediumBehind},
-    text::Text,
+    text::{Text, title},
 };
 use crate::prescription::{
     Fate, LensFileError, MAX_INTERFACES,
@@ -58,24 +60,15 @@ pub(super) fn read(
         (ghostlight::read(part, ledger)?, ghostlight::NO_EFFECT)
     } else if deep_lens::is_lens(&root) {
         (deep_lens::read(part, library, ledger)?, deep_lens::NO_EFFECT)
+    } else if iset::is_lens(&root) {
+        (iset::read(part, library, ledger)?, iset::NO_EFFECT)
+    } else if has("Assembly") {
+        (geopter::read(part, library, ledger)?, geopter::NO_EFFECT)
     } else {
-        return Err(part.error(unknown(&root)));
+        return Err(part.error(format!("JSON without the keys of a known lens format; {}", super::READ)));
     };
     fates::record(&root, no_effect, ledger);
     Ok(lens)
-}
-
-/// Returns the message about a file that is JSON and none of the supported formats.
-fn unknown(root: &Node) -> String {
-    let what = if root.has("Assembly") {
-        "a lens of Geopter"
-    } else if root.get("surfaces").and_then(|list| list.elements().first()).is_some_and(|own| own.has("ior"))
-    {
-        "a lens of ISET (isetlens)"
-    } else {
-        "JSON without the keys of a known lens format"
-    };
-    format!("{what}, which is not read; {}", super::READ)
 }
 
 /// Checks that a list of surfaces, with the object and the image, is not longer than a lens.
@@ -106,12 +99,6 @@ fn object_own_image<'l, 'j>(
             list.len()
         ))),
     }
-}
-
-/// Returns the title without control characters; `None` if nothing is left.
-fn title(text: Option<&str>) -> Option<String> {
-    let plain: String = text?.chars().filter(|c| !c.is_control()).collect();
-    Some(plain.trim().to_owned()).filter(|title| !title.is_empty())
 }
 
 /// Returns the curvature of a radius, of which 0 and infinity mean a plane.
@@ -149,9 +136,8 @@ fn by_name(
 /// Warns that the image is curved, if it is.
 fn check_image(curvature: f64, image: Part<'_>, key: &str, ledger: &mut Ledger<'_>) {
     if curvature != 0.0 {
-        let reason = "the image is curved; the film is flat";
         let location = image.get(key).unwrap_or(image).node.location;
-        ledger.warn(Fate::Replaced, location, key, None, reason);
+        ledger.warn(Fate::Replaced, location, key, None, CURVED_IMAGE);
     }
 }
 

@@ -15,7 +15,7 @@ use crate::prescription::{
     interfaces::{Asphere, Medium, NO_TERMS, Prescription},
     reader::{
         ledger::Ledger,
-        sequential::{Aperture, Field, SequentialLens, SequentialSurface, nanometres, set_term},
+        sequential::{Aperture, Field, SequentialLens, SequentialSurface, asphere, nanometres, set_term},
         surface_rows::{MediumBehind, checked},
         text::Location,
     },
@@ -128,6 +128,7 @@ pub(super) fn read(
         field: field(root, ledger)?,
         wavelength: wavelength(root)?,
         keys: ["surfaces", "aperture", "thickness"],
+        unit: 1.0,
     };
     let lens = with_stop_diameter(lens, root)?;
     let (lens, _) = lens.prescription(root.text, root.node.location, ledger)?;
@@ -240,8 +241,7 @@ fn figure(part: Part<'_>, number: &str) -> Result<(f64, Option<Asphere>), LensFi
             set_term(&mut terms, step * i, value).map_err(|why| refused(part, number, why))?;
         }
     }
-    let asphere = Asphere { radius: f64::INFINITY, conic, terms };
-    Ok((curvature, (conic != 0.0 || terms != NO_TERMS).then_some(asphere)))
+    Ok((curvature, asphere(conic, terms)))
 }
 
 /// Returns the semi-diameter of the circle around an aperture, and the aperture if it is not round.

@@ -17,7 +17,7 @@ use crate::prescription::{
     reader::{
         ledger::Ledger,
         sequential::{
-            Aperture, Field, Place, SequentialLens, SequentialSurface, has_range, nanometres, set_term,
+            Aperture, Field, Place, SequentialLens, SequentialSurface, asphere, nanometres, set_term,
         },
         surface_rows::{MediumBehind, checked},
         text::Location,
@@ -164,6 +164,7 @@ pub(super) fn read(
     let specification = inner(model.need("optical_spec", "apertures, fields and wavelengths")?);
     let in_air = surfaces.last().is_some_and(|last| last.behind.medium == Medium::Air);
     let object_distance = gaps[0].number_or_infinity("thi")?.unwrap_or(f64::INFINITY);
+    let system = model.get("system_spec").map(inner);
     let lens = SequentialLens {
         object: front,
         object_place: object.node.location,
@@ -175,17 +176,10 @@ pub(super) fn read(
         field: field(specification, ledger)?,
         wavelength: wavelength(specification)?,
         keys: ["ifcs", "max_aperture", "thi"],
+        unit: unit(system)?,
     };
     let (lens, _) = lens.prescription(root.text, root.node.location, ledger)?;
-    let system = model.get("system_spec").map(inner);
     let name = system.map_or(Ok(None), |system| system.string("title"))?;
-    let lens = match unit(system)? {
-        1.0 => lens,
-        unit => lens.scaled(unit),
-    };
-    if !has_range(&lens) {
-        return Err(root.error("a length of this lens, in mm, is beyond the range of numbers"));
-    }
     Ok(finished(Prescription { title: title(name), ..lens }, glasses, root.text.file))
 }
 
@@ -316,8 +310,7 @@ fn figure(part: Part<'_>, number: &str) -> Result<(f64, Option<Asphere>), LensFi
             set_term(&mut terms, power, value).map_err(|why| refused(part, number, why))?;
         }
     }
-    let asphere = Asphere { radius: f64::INFINITY, conic, terms };
-    Ok((curvature, (conic != 0.0 || terms != NO_TERMS).then_some(asphere)))
+    Ok((curvature, asphere(conic, terms)))
 }
 
 /// Returns the numbers of a list, or of an array of NumPy.
@@ -417,14 +410,13 @@ fn aperture(
 ) -> Result<Aperture, LensFileError> {
     let Some(pupil) = specification.get("pupil").map(inner) else { return Ok(Aperture::ByStop) };
     let value = pupil.number("value")?.unwrap_or(0.0).abs();
-    let by_sine = |na: f64| 1.0 / (2.0 * na.asin().tan());
     Ok(match quantity(pupil) {
         _ if value == 0.0 => Aperture::ByStop,
         ["object", "epd"] => Aperture::EntrancePupil(value),
         ["object", "NA"] if value < 1.0 => Aperture::ObjectNa(value),
         ["object", "f/#"] => Aperture::ObjectCone((0.5 / value).atan().to_degrees()),
         ["image", "f/#"] => Aperture::WorkingFNumber(value),
-        ["image", "NA"] if value < 1.0 && in_air => Aperture::WorkingFNumber(by_sine(value)),
+        ["image", "NA"] if value < 1.0 && in_air => Aperture::image_na(value),
         [side, kind] => {
             let reason = format!(
                 "an aperture of {} {}, which is not read; the stop's own size counts",

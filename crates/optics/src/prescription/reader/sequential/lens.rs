@@ -29,7 +29,7 @@ pub(in super::super) struct Place {
     pub number: String,
 }
 
-/// A lens in sequence, in mm, between the object and the image.
+/// A lens in sequence, between the object and the image.
 #[derive(Debug)]
 pub(in super::super) struct SequentialLens {
     pub object: MediumBehind,
@@ -47,6 +47,8 @@ pub(in super::super) struct SequentialLens {
     pub wavelength: Option<(f64, Location)>,
     /// The keys of the file for a surface, its semi-diameter and the thickness behind it, for messages.
     pub keys: [&'static str; 3],
+    /// The unit of the lengths, mm.
+    pub unit: f64,
 }
 
 impl SequentialLens {
@@ -70,6 +72,7 @@ impl SequentialLens {
             field: None,
             wavelength: None,
             keys,
+            unit: 1.0,
         }
     }
 
@@ -149,10 +152,25 @@ impl SequentialLens {
         if let Some((wavelength, location)) = self.wavelength {
             lens.check_wavelength(wavelength).map_err(|why| text.error(location, why))?;
         }
+        let lens = if self.unit == 1.0 { lens } else { lens.scaled(self.unit) };
         if !has_range(&lens) {
             return Err(text.error(location, "a length of this lens, in mm, is beyond the range of numbers"));
         }
         Ok((lens, kept))
+    }
+
+    /// Makes the first surface the stop if none is stated, as the programs do that number it so. `key` is the statement
+    /// of a stop.
+    pub(in super::super) fn take_first_for_stop(&mut self, key: &str, ledger: &mut Ledger<'_>) {
+        if self.surfaces.iter().any(|surface| surface.is_stop) {
+            return;
+        }
+        if let (Some(first), Some(place)) = (self.surfaces.first_mut(), self.places.first()) {
+            first.is_stop = true;
+            let reason =
+                format!("no stop ({key}) is stated; the first surface is the stop, as in the file's program");
+            ledger.warn(Fate::Replaced, place.surface, key, Some(&place.number), reason);
+        }
     }
 
     /// Checks that at most one surface is the stop.
@@ -173,7 +191,7 @@ impl SequentialLens {
     /// Sets negative thicknesses that are rounding errors to 0.
     fn round_thicknesses(&mut self, ledger: &mut Ledger<'_>) {
         for i in 0..self.thicknesses.len() {
-            if self.thicknesses[i] < 0.0 && self.thicknesses[i] > -ROUNDING {
+            if self.thicknesses[i] < 0.0 && self.thicknesses[i] * self.unit > -ROUNDING {
                 self.thicknesses[i] = 0.0;
                 let reason = "a thickness of less than 100 nm below 0, as rounding leaves; 0 is used";
                 self.warn(i, Fate::Replaced, 2, reason, ledger);

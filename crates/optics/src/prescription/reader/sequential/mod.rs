@@ -18,11 +18,14 @@ use crate::prescription::{
     positions::{Position, Positions},
 };
 pub(super) use lens::{Place, SequentialLens};
-pub(super) use paraxial::{Aperture, Field, Paraxial};
+pub(super) use paraxial::{Aperture, Field, FieldKind, Paraxial};
 use realistic_base::message::{as_given, short};
 
 /// Object distances from this value on, in the file's unit, mean infinity: programs write 1e10.
 const FAR: f64 = 1e9;
+
+/// The reason recorded for an image that is not a plane.
+pub(super) const CURVED_IMAGE: &str = "the image is curved; the film is flat";
 
 /// Negative thicknesses of a magnitude below this value, mm, are rounding errors and are set to 0.
 pub(super) const ROUNDING: f64 = 1e-4;
@@ -64,6 +67,12 @@ pub(super) fn nanometres(micrometres: f64) -> Result<f64, String> {
         "the primary wavelength is {} nm; lenses are traced from {first} to {last} nm",
         as_given(wavelength)
     ))
+}
+
+/// Returns a figure whose base is that of its surface; `None` for a sphere.
+pub(super) fn asphere(conic: f64, terms: AsphereTerms) -> Option<Asphere> {
+    let asphere = Asphere { radius: f64::INFINITY, conic, terms };
+    (conic != 0.0 || terms != NO_TERMS).then_some(asphere)
 }
 
 /// Sets the term of r^`power` of a figure.

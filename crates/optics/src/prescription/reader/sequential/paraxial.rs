@@ -23,6 +23,11 @@ pub(in super::super) enum Aperture {
 }
 
 impl Aperture {
+    /// Returns the aperture of a numerical aperture on the image side, in air: the sine of the half angle.
+    pub(in super::super) fn image_na(na: f64) -> Self {
+        Self::WorkingFNumber(1.0 / (2.0 * na.asin().tan()))
+    }
+
     /// Returns the same kind of aperture with another value.
     pub(in super::super) fn with(self, value: f64) -> Self {
         match self {
@@ -47,6 +52,9 @@ pub(in super::super) enum Field {
     ImageHeight(f64),
 }
 
+/// A kind of field, as a function of its size.
+pub(in super::super) type FieldKind = fn(f64) -> Field;
+
 /// The heights of two paraxial rays at each surface. One ray enters parallel to the axis at height 1; the other starts
 /// at the first vertex with slope 1. Every paraxial ray is a linear combination of these two rays.
 #[derive(Debug)]
@@ -55,8 +63,8 @@ pub(in super::super) struct Paraxial {
     from_vertex: Vec<f64>,
     /// The slopes of the two rays behind the last surface, times the index there.
     slopes: [f64; 2],
-    /// The refractive index in front of the lens.
-    index: f64,
+    /// The refractive indices in front of the lens and behind it.
+    indices: [f64; 2],
 }
 
 impl Paraxial {
@@ -82,21 +90,38 @@ impl Paraxial {
                 index = behind;
                 height += thickness * slope / index;
             }
-            (heights, slope)
+            (heights, slope, index)
         };
-        let (parallel, slope) = trace(1.0, 0.0);
-        let (from_vertex, other_slope) = trace(0.0, first_index);
-        Self { parallel, from_vertex, slopes: [slope, other_slope], index: first_index }
+        let (parallel, slope, last_index) = trace(1.0, 0.0);
+        let (from_vertex, other_slope, _) = trace(0.0, first_index);
+        let indices = [first_index, last_index];
+        Self { parallel, from_vertex, slopes: [slope, other_slope], indices }
     }
 
     /// Returns the magnitude of the power 1/f.
-    fn power(&self) -> f64 {
+    pub(in super::super) fn power(&self) -> f64 {
         self.slopes[0].abs()
     }
 
     /// Returns the distance of the entrance pupil behind the first vertex.
     fn pupil(&self, stop: usize) -> f64 {
         self.from_vertex[stop] / self.parallel[stop]
+    }
+
+    /// Returns the height at a surface, and the slope behind the last one times the index there, of the ray from the
+    /// axial object point that meets the first vertex plane at height 1. `object` is the distance of that point.
+    fn axial(&self, surface: usize, object: f64) -> [f64; 2] {
+        [
+            self.parallel[surface] + self.from_vertex[surface] / object,
+            self.slopes[0] + self.slopes[1] / object,
+        ]
+    }
+
+    /// Returns the distance of the image behind the last surface, in units of the focal length's magnitude from the
+    /// distance `stated`. `object` is the distance from the object to the first vertex.
+    pub(in super::super) fn defocus(&self, object: f64, stated: f64) -> f64 {
+        let [height, slope] = self.axial(self.parallel.len() - 1, object);
+        (-height * self.indices[1] / slope - stated).abs() * self.power()
     }
 
     /// Returns the semi-diameter of the surface `stop` that an aperture determines; `None` if the aperture does not
@@ -109,15 +134,11 @@ impl Paraxial {
             Aperture::EntrancePupil(diameter) => by_pupil(diameter),
             Aperture::FNumber(number) => by_pupil(1.0 / (self.power() * number)),
             Aperture::WorkingFNumber(number) => {
-                // The ray starts at the axial object point and meets the first vertex plane at height 1.
-                let [height, slope] = [
-                    self.parallel[stop] + self.from_vertex[stop] / object,
-                    self.slopes[0] + self.slopes[1] / object,
-                ];
+                let [height, slope] = self.axial(stop, object);
                 height / (2.0 * number * slope)
             }
             Aperture::ObjectNa(na) => {
-                let sine = na / self.index;
+                let sine = na / self.indices[0];
                 by_cone(sine / (1.0 - sine * sine).sqrt())
             }
             Aperture::ObjectCone(degrees) => by_cone(degrees.to_radians().tan()),
@@ -158,7 +179,7 @@ impl Paraxial {
             Field::Angle(degrees) => degrees.min(89.0).to_radians().tan(),
             Field::ObjectHeight(height) if object.is_finite() => height / (object + self.pupil(stop)),
             Field::ObjectHeight(_) => 0.0,
-            Field::ImageHeight(height) => height * self.power() / self.index,
+            Field::ImageHeight(height) => height * self.power() / self.indices[0],
         }
     }
 }

@@ -3,56 +3,15 @@
 //!
 //! The lines of a surface are indented more than its `SURF`. Some programs indent nothing; in their files a line with a
 //! keyword of surfaces belongs to the surface before it.
-//!
-//! A record remembers whether its values were read ([`Record::is_used`]), so that the reader can report unused lines at
-//! the end.
-
-use std::cell::Cell as Flag;
 
 use crate::prescription::{
     LensFileError, MAX_INTERFACES,
-    reader::text::{Cell, Location, Text, words},
+    reader::{
+        record::Record,
+        text::{Location, Text, words},
+    },
 };
 use realistic_base::message::cut;
-
-/// A line: its keyword and its values.
-#[derive(Clone, Debug)]
-pub(super) struct Record<'t> {
-    pub key: Cell<'t>,
-    values: Vec<Cell<'t>>,
-    is_used: Flag<bool>,
-}
-
-impl<'t> Record<'t> {
-    /// Returns whether the values of the record have been read.
-    pub(super) fn is_used(&self) -> bool {
-        self.is_used.get()
-    }
-
-    /// Returns all values.
-    pub(super) fn values(&self) -> &[Cell<'t>] {
-        self.is_used.set(true);
-        &self.values
-    }
-
-    /// Returns the value of a given number, counted from 0, as written.
-    pub(super) fn word(&self, value: usize) -> Option<Cell<'t>> {
-        self.values().get(value).copied()
-    }
-
-    /// Returns the value of a given number, counted from 0; the value must be a finite number.
-    pub(super) fn number(&self, text: &Text<'_>, value: usize) -> Result<f64, LensFileError> {
-        let Some(cell) = self.word(value) else {
-            return Err(text.error(self.key.location, format!("{} lacks its value {}", self.key, value + 1)));
-        };
-        text.number(&cell, &format!("value {} of {}", value + 1, self.key))
-    }
-
-    /// Returns a value that may be missing or malformed; `None` if the value is not a finite number.
-    pub(super) fn number_if_any(&self, value: usize) -> Option<f64> {
-        self.word(value).as_ref().and_then(Cell::number)
-    }
-}
 
 /// The lines of one surface.
 #[derive(Clone, Debug)]
@@ -117,14 +76,14 @@ impl<'t> Blocks<'t> {
         for (number, line) in text.lines() {
             let mut words = words(number, line).into_iter();
             let Some(key) = words.next() else { continue };
-            let record = Record { key, values: words.collect(), is_used: Flag::new(false) };
+            let record = Record::new(key, words.collect());
             let indent = key.location.column;
             if is_surface(line.as_bytes()) {
                 if all.surfaces.len() == MAX_INTERFACES + 2 {
                     let message = format!("more surfaces; a lens has at most {MAX_INTERFACES} interfaces");
                     return Err(text.error(key.location, message));
                 }
-                let own = record.values.first().map_or("", |value| value.text);
+                let own = record.words().first().map_or("", |value| value.text);
                 all.surfaces.push(Block { location: key.location, number: own, records: Vec::new() });
                 indent_of_surface = Some(indent);
             } else if let Some(surface) = all.surfaces.last_mut().filter(|_| {

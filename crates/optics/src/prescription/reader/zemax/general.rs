@@ -8,14 +8,12 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::{
-    blocks::{Blocks, Record},
-    statements::no_effect_of_operand,
-};
+use super::{blocks::Blocks, statements::no_effect_of_operand};
 use crate::prescription::{
     Fate, LensFileError, MAX_POSITIONS,
     reader::{
         ledger::Ledger,
+        record::Record,
         sequential::nanometres,
         text::{Location, Text},
     },

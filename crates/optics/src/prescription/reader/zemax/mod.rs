@@ -152,13 +152,7 @@ pub(super) fn read(
     if let Some(record) = image.and_then(|image| image.find("CURV"))
         && record.number_if_any(0).is_some_and(|curvature| curvature != 0.0)
     {
-        ledger.warn(
-            Fate::Replaced,
-            record.key.location,
-            "CURV",
-            None,
-            "the image is curved; the film is flat",
-        );
+        ledger.warn(Fate::Replaced, record.key.location, "CURV", None, sequential::CURVED_IMAGE);
     }
     let at = |row: usize, message: &str| text.error(own[effective[row]].location, message);
     let mut interfaces = surface_rows::interfaces(&rows, in_front.medium, &at, ledger)?;

@@ -1,9 +1,9 @@
 //! The apertures and obstructions of a surface: `CLAP`, `FLAP`, `OBSC`, `SQAP`, `UDAD` and their decentring `OBDC`.
 
-use super::blocks::{Block, Record};
+use super::blocks::Block;
 use crate::prescription::{
     Aperture, Fate, LensFileError, MAX_VERTICES, Outline,
-    reader::{ledger::Ledger, text::Text},
+    reader::{ledger::Ledger, record::Record, text::Text},
 };
 use realistic_base::message::cut;
 

@@ -1,8 +1,11 @@
 //! The keywords that this reader knows but does not need, each with the reason why it has no effect on rays through the
 //! lens. Keywords that are neither listed here nor read are reported by name as left out.
 
-use super::blocks::{Block, Blocks, Record};
-use crate::prescription::{Fate, reader::ledger::Ledger};
+use super::blocks::{Block, Blocks};
+use crate::prescription::{
+    Fate,
+    reader::{ledger::Ledger, record::Record},
+};
 
 /// Keywords, grouped by the reason why they have no effect.
 const NO_EFFECT: [(&str, &[&str]); 5] = [

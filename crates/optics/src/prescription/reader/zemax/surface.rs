@@ -4,19 +4,16 @@
 //! archive includes. Without that file, names in the sample file of that program select the coatings here that have the
 //! same layers; other names are reported.
 
-use super::{
-    blocks::{Block, Record},
-    coating_file::CoatingFile,
-    shapes,
-};
+use super::{blocks::Block, coating_file::CoatingFile, shapes};
 use crate::prescription::{
     Fate, LensFileError,
     coating::{Coating, SurfaceCoating},
-    interfaces::{Asphere, AsphereTerms, Interface, Medium, NO_TERMS, has_coating},
+    interfaces::{AsphereTerms, Interface, Medium, NO_TERMS, has_coating},
     reader::{
         ledger::Ledger,
         named_glass::NamedGlasses,
-        sequential::{SequentialSurface, set_term},
+        record::Record,
+        sequential::{SequentialSurface, asphere, set_term},
         surface_rows::{MediumBehind, checked, index},
         text::{Text, no_number},
     },
@@ -56,11 +53,7 @@ pub(super) fn read(
     let is_fixed = clip.is_some() || !apertures.is_empty() || floats || is_listed_fixed;
     Ok(SequentialSurface {
         curvature,
-        asphere: (conic != 0.0 || terms != NO_TERMS).then_some(Asphere {
-            radius: f64::INFINITY,
-            conic,
-            terms,
-        }),
+        asphere: asphere(conic, terms),
         behind,
         semi_diameter: clip.or(semi_diameter),
         listed: semi_diameter,
