@@ -10,7 +10,7 @@ use super::properties;
 
 use proptest::prelude::*;
 
-const FILES: [&[u8]; 20] = [
+const FILES: [&[u8]; 25] = [
     include_bytes!("../../crates/optics/lenses/dgauss.100mm.dat"),
     include_bytes!("../../crates/optics/lenses/dgauss.50mm.dat"),
     include_bytes!("../../crates/optics/lenses/fisheye.10mm.dat"),
@@ -47,6 +47,20 @@ const FILES: [&[u8]; 20] = [
         "optical_system": [{"transform": {"position": {"z": -95}}, "materials": [{"glass": "A"}], "surfaces": [
         {"semi_aperture": 8, "form": {"type": "sphere", "radius": 50}, "thickness": 5, "is_stop": true},
         {"semi_aperture": 8, "form": {"type": "asphere", "radius": 0, "terms": [1e-5]}, "thickness": 90}]}]}"#,
+    br#"{"name": "x", "surfaces": [{"radius": 50, "thickness": 4, "ior": [[400, 500, 700], [1.53, 1.52, 1.51]], "semi_aperture": 8,
+        "conic_constant": -0.5}, {"radius": [-50, -50], "thickness": 1, "ior": 1, "semi_aperture": 8}, {"radius": 0, "thickness": 40,
+        "ior": 0, "semi_aperture": 4}]}"#,
+    br#"{"Assembly": {"0": {"Thickness": 1e10}, "1": {"Type": "ASP", "Curvature": 0.02, "Thickness": 4, "Material": "1.5:60",
+        "Coefs": [1e-7], "Conic": -1}, "2": {"Curvature": -0.02, "Thickness": 48, "Aperture": {"Type": "Circular", "Radius": 9}},
+        "3": {}, "Stop": 1}, "Spec": {"Pupil": {"Type": 0, "Value": 10}, "Field": {"Type": 0, "Y": [0, 10]}, "Wvl": {"Value": [550]}}}"#,
+    b"RDM;LEN \"VERSION: 11.2\"\nTITLE 'x'\nEPD 8; DIM M\nWL 656.3 587.6 &\n486.1\nREF 2\nYAN 0 5\nPRV\nPWL 656.3 587.6 486.1\n\
+      'OWN' 1.514 1.517 1.523\n'NOA' LAU 2.36 0 0.025\nEND\nSO 0 1e14\nS 50 4 OWN ! front\n  ASP\n  K -0.5; A 1e-6; J 0\n  \
+      CIR 12; CIR OBS L'A' 2\nS -50 2 620.603\n  REX 9; REY 8; ADY 1\n  XDE 0\nS 0 1\n  STO\nS -80 60 NBK7_SCHOTT\nS 0 40\n  \
+      THI HMY 0\nSI 0 -0.5\nCIR S2 8\nGO\n",
+    b"tit 'a singlet'\nepd 5\nwl 650 550 450\nyim 0 3\nso 0 1e10\ns .02 4 517642\ns -.02 47\nsi 0 0\n",
+    b"// OSLO 6.6\nLEN NEW \"x\" 100 5\nEBR 4\nANG 5\nUNI 1.0\n// SRF 0\nAIR\nTH 1e20\nNXT // SRF 1\nGLA N-BK7\nRD 50; TH 4\nCC -0.5\n\
+      AD 1e-7\nAP CHK 5\nNXT\nAIR\nRD -50\nTH 1.5\nAP 5\nNXT\nAIR\nAST\nTH 2\nNXT\nWV 0.58756 0.48613 0.65627\nGLA MOD M 1.62 1.6272 \
+      1.6169\nRD -250\nTH 2\nNXT\nAIR\nTH 40\nNXT\nAIR\nWV 0.58756 0.48613 0.65627\nEND 6\n",
 ];
 
 /// Returns the bytes of a lens file, with some of them replaced by tokens of the format or cut out.
