@@ -53,10 +53,10 @@ fn stop_diameter(lens: &Prescription) -> f64 {
 
 /// Returns the only finding of a statement.
 #[track_caller]
-fn fate<'a>(lens: &'a Prescription, statement: &str) -> (Fate, &'a [usize], &'a str) {
+fn fate<'a>(lens: &'a Prescription, statement: &str) -> (Fate, Vec<usize>, &'a str) {
     let found: Vec<_> = lens.findings.iter().filter(|own| own.statement == statement).collect();
     let [one] = found[..] else { panic!("{statement}: {found:?}") };
-    (one.fate, &one.lines, &one.reason)
+    (one.fate, one.lines(), &one.reason)
 }
 
 /// Traces a ray that is parallel to the axis at a given height through the last surface, by the walk and in lanes of
@@ -153,7 +153,7 @@ fn terms_to_the_thirtieth_power_are_read_as_the_file_counts() {
         stale
             .findings
             .iter()
-            .any(|own| own.fate == Fate::LeftOut && own.statement == "XDAT" && own.lines == [19])
+            .any(|own| own.fate == Fate::LeftOut && own.statement == "XDAT" && own.lines() == [19])
     );
     refused(&extended(20, "18 1e-40"), &["surface 1 has a term of r^32", "r^2 to r^30 are traced"]);
     let cone = "TYPE ODDASPHE\n  CURV 0.02\n  PARM 1 -3.142e-3\n  PARM 2 3.867e-3\n  PARM 3 -1.602e-4";
@@ -471,7 +471,7 @@ fn a_plane_behind_the_film_is_left_out() {
     let read = lens(&text);
     assert_eq!((read.interfaces.len(), read.nominal_film_distance), (2, Some(42.0)));
     assert!(
-        read.findings.iter().any(|own| own.fate == Fate::LeftOut && own.surfaces == ["3"]),
+        read.findings.iter().any(|own| own.fate == Fate::LeftOut && own.surfaces() == ["3"]),
         "{:?}",
         read.findings
     );
@@ -486,7 +486,7 @@ fn no_line_of_a_file_is_missing_in_the_list_of_fates() {
     lines.sort_unstable();
     lines.dedup();
     assert_eq!(lines, (1..=text.lines().count()).collect::<Vec<_>>());
-    assert_eq!(fate(&read, "WHAT"), (Fate::LeftOut, &[10][..], "a keyword that this reader does not know"));
+    assert_eq!(fate(&read, "WHAT"), (Fate::LeftOut, vec![10], "a keyword that this reader does not know"));
     assert_eq!(fate(&read, "WHY").1, [22]);
     assert_eq!([fate(&read, "NOTE").0, fate(&read, "GLAS").0], [Fate::Informative, Fate::Used]);
 }

@@ -31,9 +31,10 @@ pub struct CameraChoice {
 pub struct LensChoice(CameraChoice);
 
 /// Camera parameters that apply to a lens without a camera.
-const LENS_PARAMETERS: [&str; 11] = [
+const LENS_PARAMETERS: [&str; 12] = [
     "lens_file",
     "glass_catalog",
+    "strict",
     "film_distance",
     "focus_distance",
     "focus_by",
@@ -287,7 +288,7 @@ impl LensChoice {
     /// # Errors
     /// As for [`open_lens`].
     pub fn open_as_it_is(&self) -> Result<OpenedLens, Failure> {
-        self.open_with(&["glass_catalog"])
+        self.open_with(&["glass_catalog", "strict"])
     }
 
     /// Finds the lens with the parameters in `used` and warns of others. Film that is shifted, tilted or curved is

@@ -96,7 +96,7 @@ pub fn flag_name(name: &str) -> String {
 fn flag(row: &'static Parameter) -> Arg {
     let shorter = SHORTER.iter().filter(|(name, _)| *name == row.name).map(|(_, flag)| *flag);
     let own = OWN_DEFAULTS.iter().find(|(name, _)| *name == row.name);
-    Arg::new(row.name)
+    let flag = Arg::new(row.name)
         .long(flag_name(row.name))
         .visible_aliases(shorter.collect::<Vec<_>>())
         .value_name(value_name(row))
@@ -106,7 +106,12 @@ fn flag(row: &'static Parameter) -> Arg {
         .action(ArgAction::Append)
         // A value may begin with a minus sign: -1e-3, -inf and -1,1,-1,1 are values, not flags.
         .allow_hyphen_values(matches!(row.kind, Kind::Float | Kind::Four))
-        .hide_short_help(!COMMON.contains(&row.name))
+        .hide_short_help(!COMMON.contains(&row.name));
+    match row.kind {
+        // The flag alone means true.
+        Kind::Bool => flag.num_args(0..=1).require_equals(true).default_missing_value("true"),
+        _ => flag,
+    }
 }
 
 fn value_name(row: &Parameter) -> &'static str {
@@ -195,7 +200,7 @@ mod tests {
             let shorter =
                 SHORTER.iter().filter(|(name, _)| *name == row.name).map(|(_, own)| (*own).to_owned());
             for name in std::iter::once(flag_name(row.name)).chain(shorter) {
-                let flag = read(&[&format!("--{name}"), value]).unwrap();
+                let flag = read(&[&format!("--{name}={value}")]).unwrap();
                 assert_eq!(flag.parameters, long.parameters, "{name}");
                 assert_eq!(flag.given().collect::<Vec<_>>(), [(row.name, *value)]);
             }

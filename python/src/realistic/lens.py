@@ -105,6 +105,8 @@ class Lens:
         The text of a lens file, instead of `lens_file`.
     glass_catalog : str or path-like, optional
         A glass catalogue (AGF) to search first for the glasses of a lens file.
+    strict : bool, optional
+        Refuse a lens file of which a statement is replaced or left out that may change the picture.
     zoom : float or str, optional
         Focal length of a zoom lens in mm, or name of a zoom position; default the first position in the lens file.
     wavelength : float, optional
@@ -132,6 +134,7 @@ class Lens:
         *,
         lens_text: str | bytes | None = None,
         glass_catalog: str | os.PathLike[str] | None = None,
+        strict: bool | None = None,
         zoom: float | str | None = None,
         wavelength: float | None = None,
         aperture_diameter: float | None = None,
@@ -142,6 +145,7 @@ class Lens:
                 "lens_file": lens_file,
                 "lens_text": lens_text,
                 "glass_catalog": glass_catalog,
+                "strict": strict,
                 "zoom": zoom,
                 "wavelength": wavelength,
                 "aperture_diameter": aperture_diameter,

@@ -27,8 +27,8 @@ pub struct realistic_lens {
 }
 
 /// Parameters that select a lens and its settings.
-const PARAMETERS: [&str; 6] =
-    ["lens_file", "glass_catalog", "wavelength", "zoom", "aperture_diameter", "fnumber"];
+const PARAMETERS: [&str; 7] =
+    ["lens_file", "glass_catalog", "strict", "wavelength", "zoom", "aperture_diameter", "fnumber"];
 
 /// A lens together with the data that callers request repeatedly.
 #[derive(Debug)]
@@ -77,7 +77,7 @@ impl OpenedLens {
 static TAG: u8 = 0x4c;
 
 /// Opens a lens, which the caller frees with `realistic_lens_free`. `lens_file` or `lens_text`, with
-/// `glass_catalog`, selects the lens; `wavelength`, `zoom` and `aperture_diameter` or `fnumber` set it up, as
+/// `glass_catalog` and `strict`, selects the lens; `wavelength`, `zoom` and `aperture_diameter` or `fnumber` set it up, as
 /// for a camera. `xres`, `yres` and the transforms are not read. Any other parameter is refused, because it
 /// would have no effect.
 #[unsafe(no_mangle)]

@@ -26,6 +26,12 @@ pub struct Args {
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true,
           value_parser = output::path)]
     list: Option<Option<PathBuf>>,
+    /// Print the fate of every statement of the lens file with its place, and nothing else
+    ///
+    /// A row is a statement: used as stated, replaced (by what), left out (why), or informative, without effect on the
+    /// lens. Places are line numbers, in an archive behind the name of the member.
+    #[arg(long, conflicts_with_all = ["json", "list"])]
+    report: bool,
     /// Write JSON; keys carry units, null means absent or at infinity
     #[arg(long)]
     json: bool,
@@ -40,6 +46,10 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         return list(args);
     }
     let opened = args.lens.open()?;
+    if args.report {
+        let report = file::report(&opened.prescription.findings);
+        return Ok(std::io::stdout().write_all(report.as_bytes())?);
+    }
     // The report of a lens that makes no image omits the film distance.
     let film_distance = opened.film_distance_if_any()?;
     let diagonal = opened.film_diagonal();

@@ -202,6 +202,7 @@ macro_rules! for_each_parameter {
             model: Model, "", = "lens", EVERY, "kind of camera";
             lens_file or "lensfile" "specfile": String, "", or "dgauss.50mm", LENSES, "lens file, or a catalogue name such as \"wide.22mm\" or \"wide.22mm@35mm\"";
             glass_catalog or "glasscatalog": String, "", or "", LENSES, "glass catalogue (AGF) to search first for the glasses of a lens file, before the catalogues beside the file and the built-in glasses";
+            strict: bool, "", or "false", LENSES, "whether to refuse a lens file of which a statement is replaced or left out that may change the picture";
             film_distance or "filmdistance": f64 in POSITIVE, "mm", or "the lens file's, or focused at `focus_distance`", LENSES, "distance from the last vertex to the film";
             focus_distance or "focusdistance": f64 in DISTANCE, "units of camera space", or "infinity", LENSES, "distance from the film plane to the plane in focus, or inf, instead of `film_distance`";
             focus_by or "focusby": FocusBy, "", = "film", LENSES, "part that moves to focus, the film or groups of the lens; the groups leave the film where the lens file has it";

@@ -308,6 +308,9 @@ fn read_lens(given: &Parameters, host: &Host) -> Result<Prescription, CameraErro
             catalogue::default()
         }
     };
+    if given.strict == Some(true) {
+        prescription.check_as_written()?;
+    }
     prescription.remarks.extend(misstated(&prescription));
     Ok(prescription)
 }

@@ -34,6 +34,7 @@ pub struct SharedLens {
 pub(super) struct LensSource {
     lens_file: Option<String>,
     glass_catalog: Option<String>,
+    strict: Option<bool>,
     lens_text: Option<(String, Vec<u8>)>,
     search: SearchPath,
 }
@@ -88,6 +89,7 @@ impl LensSource {
         Self {
             lens_file: given.lens_file.clone(),
             glass_catalog: given.glass_catalog.clone(),
+            strict: given.strict,
             lens_text: host.lens_text.clone(),
             search: host.search.clone(),
         }

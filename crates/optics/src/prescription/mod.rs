@@ -32,7 +32,7 @@ use thiserror::Error;
 pub use aperture::{Aperture, MAX_VERTICES, Outline};
 pub use blades::{BladeConstants, Blades};
 pub use coating::{AirSide, Coating, Layer, STACK, SurfaceCoating};
-pub use findings::{Fate, Finding};
+pub use findings::{Fate, Finding, Place};
 pub use glass::GlassLibrary;
 pub use interfaces::{
     Asphere, AsphereTerms, FIRST_POWER, Glass, Interface, Medium, NO_TERMS, Prescription, Shape, Stated,

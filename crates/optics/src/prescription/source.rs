@@ -185,6 +185,14 @@ pub enum SourceError {
         /// The length of the name in bytes.
         length: usize,
     },
+    /// The file was read, but not every statement of it is used as written.
+    #[error("lens \"{name}\" is not used as written, which \"strict\" demands: {listed}")]
+    NotAsWritten {
+        /// The name of the lens.
+        name: String,
+        /// The statements that are replaced or left out, with their places and the reasons.
+        listed: String,
+    },
     /// The part after `@` is not a focal length.
     #[error("lens \"{name}\": after @ comes a positive focal length in mm, as in \"dgauss.50mm@35mm\"")]
     FocalLength {

@@ -2,21 +2,40 @@
 //! and the warnings.
 //!
 //! A line is open until a reader records its fate. Lines that are open at the end are recorded as left out, being
-//! statements unknown to the reader. Equal findings are merged into one, with all their lines and surfaces.
+//! statements unknown to the reader. Equal findings are merged into one, with all their places.
+//!
+//! A warned statement, or an unknown one, may make the lens differ from the one that the file means; a noted one does
+//! not.
 
-use std::collections::{HashMap, HashSet};
+use std::{
+    collections::{HashMap, HashSet},
+    sync::Arc,
+};
 
 use super::text::{Location, Text};
-use crate::prescription::{Fate, Finding};
+use crate::prescription::{Fate, Finding, Place};
 use realistic_base::message::cut;
 
 /// The reason recorded for a line whose fate no reader recorded.
 const UNKNOWN: &str = "not known to this reader";
 
+/// The effect of a statement that was not used as written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Effect {
+    /// No effect on the picture.
+    None,
+    /// An effect of which a warning tells the user.
+    Warned,
+    /// An effect that is not known here, or of which the user has a warning already.
+    Unknown,
+}
+
 /// The fates of a file's lines while the file is read.
 #[derive(Debug)]
 pub(super) struct Ledger<'t> {
     file: &'t str,
+    /// The member of the archive that is read, if it is one.
+    member: Option<Arc<str>>,
     /// The first word of each line, or `None` if the line is empty or its fate is recorded.
     open: Vec<Option<&'t str>>,
     /// The findings in the order of their first statements.
@@ -34,6 +53,7 @@ impl<'t> Ledger<'t> {
         let words = text.lines().map(|(_, line)| line.split_whitespace().next());
         let mut all = Self {
             file: text.file,
+            member: None,
             open: words.collect(),
             findings: Vec::new(),
             known: HashMap::new(),
@@ -48,6 +68,11 @@ impl<'t> Ledger<'t> {
         all
     }
 
+    /// Returns the ledger of a text that is a member of an archive.
+    pub(super) fn of_member(self, member: &str) -> Self {
+        Self { member: Some(member.into()), ..self }
+    }
+
     /// Records the fate of a statement. `reason` is a sentence that is clear without the statement beside it.
     pub(super) fn note(
         &mut self,
@@ -57,7 +82,19 @@ impl<'t> Ledger<'t> {
         surface: Option<&str>,
         reason: impl Into<String>,
     ) {
-        self.add(fate, Some(location), statement, surface, reason.into(), false);
+        self.add((fate, Effect::None), Some(location), statement, surface, reason.into());
+    }
+
+    /// Records a statement that the reader does not know. Its effect on the lens is unknown, too.
+    pub(super) fn unknown(
+        &mut self,
+        location: Location,
+        statement: &str,
+        surface: Option<&str>,
+        reason: impl Into<String>,
+    ) {
+        let fate = (Fate::LeftOut, Effect::Unknown);
+        self.add(fate, Some(location), statement, surface, reason.into());
     }
 
     /// Records a fate as [`Self::note`] does, and adds a warning for the user of the lens.
@@ -69,17 +106,24 @@ impl<'t> Ledger<'t> {
         surface: Option<&str>,
         reason: impl Into<String>,
     ) {
-        self.add(fate, Some(location), statement, surface, reason.into(), true);
+        self.add((fate, Effect::Warned), Some(location), statement, surface, reason.into());
     }
 
     /// Records a fate as [`Self::note`] does, for something that belongs to no line of the text.
     pub(super) fn note_of_file(&mut self, fate: Fate, statement: &str, reason: &str) {
-        self.add(fate, None, statement, None, reason.to_owned(), false);
+        self.add((fate, Effect::None), None, statement, None, reason.to_owned());
     }
 
     /// Records a fate as [`Self::warn`] does, for something that belongs to no particular line.
     pub(super) fn warn_of_file(&mut self, fate: Fate, statement: &str, reason: impl Into<String>) {
-        self.add(fate, None, statement, None, reason.into(), true);
+        self.add((fate, Effect::Warned), None, statement, None, reason.into());
+    }
+
+    /// Records a replacement that has a warning already. The warning begins with the name of the file.
+    pub(super) fn replaced_by(&mut self, statement: &str, warning: &str) {
+        let reason = warning.strip_prefix(self.file).and_then(|reason| reason.strip_prefix(": "));
+        let reason = reason.unwrap_or(warning).to_owned();
+        self.add((Fate::Replaced, Effect::Unknown), None, statement, None, reason);
     }
 
     /// Records that open lines were used. `name` returns the statement of a line from the first word of that line, or
@@ -110,19 +154,18 @@ impl<'t> Ledger<'t> {
 
     fn add(
         &mut self,
-        fate: Fate,
+        (fate, effect): (Fate, Effect),
         location: Option<Location>,
         statement: &str,
         surface: Option<&str>,
         reason: String,
-        is_warning: bool,
     ) {
         if let Some(line) = location.and_then(|location| self.open.get_mut(location.line - 1)) {
             *line = None;
         }
         self.noted.extend(location.map(|location| (location.line, location.column)));
         let (statement, surface) = (cut(statement), surface.map(cut));
-        if is_warning {
+        if effect == Effect::Warned {
             let at =
                 location.map_or_else(String::new, |Location { line, column }| format!(":{line}:{column}"));
             let of = surface.as_ref().map_or_else(String::new, |surface| format!("surface {surface}: "));
@@ -130,13 +173,18 @@ impl<'t> Ledger<'t> {
         }
         let key = (fate, statement.clone(), reason.clone());
         let number = *self.known.entry(key).or_insert_with(|| {
-            self.findings.push(Finding { fate, statement, surfaces: Vec::new(), reason, lines: Vec::new() });
+            let member = self.member.clone();
+            let places = Vec::new();
+            self.findings.push(Finding { fate, statement, reason, may_differ: false, places, member });
             self.findings.len() - 1
         });
-        let finding = &mut self.findings[number];
-        finding.lines.extend(location.map(|location| location.line));
-        if surface.is_some() && finding.surfaces.last() != surface.as_ref() {
-            finding.surfaces.extend(surface);
+        let Finding { may_differ, places, .. } = &mut self.findings[number];
+        *may_differ |= effect != Effect::None;
+        if let Some(Location { line, column }) = location {
+            // Statements of one surface follow each other, and share its name.
+            let last = places.last().and_then(|place| place.surface.clone());
+            let surface = surface.map(|own| last.filter(|last| **last == *own).unwrap_or_else(|| own.into()));
+            places.push(Place { line, column, surface });
         }
     }
 
@@ -144,12 +192,12 @@ impl<'t> Ledger<'t> {
     pub(super) fn close(mut self) -> (Vec<Finding>, Vec<String>) {
         for line in 1..=self.open.len() {
             if let Some(word) = self.open[line - 1] {
-                self.note(Fate::LeftOut, Location { line, column: 1 }, word, None, UNKNOWN);
+                self.unknown(Location { line, column: 1 }, word, None, UNKNOWN);
             }
         }
         for finding in &mut self.findings {
-            finding.lines.sort_unstable();
-            finding.lines.dedup();
+            finding.places.sort_unstable();
+            finding.places.dedup();
         }
         self.findings.sort_by_key(|finding| finding.fate);
         (self.findings, self.warnings)
@@ -170,17 +218,18 @@ mod tests {
         ledger.use_open(|line, word| (line == 6).then_some(word));
         assert!(ledger.is_open(4) && !ledger.is_open(3) && !ledger.is_open(2));
         let (findings, warnings) = ledger.close();
-        let lines: Vec<_> = findings.iter().map(|own| (own.fate, &*own.statement, &own.lines[..])).collect();
+        let lines: Vec<_> = findings.iter().map(|own| (own.fate, &*own.statement, own.lines())).collect();
         assert_eq!(
             lines,
             [
-                (Fate::Replaced, "ONE", &[2, 5][..]),
-                (Fate::LeftOut, "TWO", &[4]),
-                (Fate::Informative, "comment", &[1]),
-                (Fate::Used, "SIX", &[6]),
+                (Fate::Replaced, "ONE", vec![2, 5]),
+                (Fate::LeftOut, "TWO", vec![4]),
+                (Fate::Informative, "comment", vec![1]),
+                (Fate::Used, "SIX", vec![6]),
             ]
         );
-        assert_eq!(findings[0].surfaces, ["1", "4"]);
+        assert_eq!(findings[0].surfaces(), ["1", "4"]);
+        assert!(findings.iter().map(|own| own.may_differ).eq([true, true, false, false]));
         assert_eq!(warnings, ["lens:2:3: surface 1: taken for two", "lens:5:3: surface 4: taken for two"]);
     }
 }

@@ -97,6 +97,9 @@ pub fn read_with(name: &str, bytes: &[u8], library: &GlassLibrary) -> Result<Pre
 /// Returns a lens with the findings and warnings of its file.
 fn finished(mut lens: Prescription, mut ledger: Ledger<'_>, library: &GlassLibrary) -> Prescription {
     keep_paired_positions(&mut lens, &mut ledger);
+    for remark in &lens.remarks {
+        ledger.replaced_by("glass", remark);
+    }
     let (findings, warnings) = ledger.close();
     lens.remarks = folded(&[warnings, lens.remarks, library.warnings()].concat());
     Prescription { findings: findings.into(), ..lens }

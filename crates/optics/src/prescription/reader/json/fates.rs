@@ -41,7 +41,7 @@ fn below(node: &Node, parent: &str, no_effect: NoEffect, ledger: &mut Ledger<'_>
             }
             _ if own.is_read() => ledger.note(Fate::Used, own.location, &statement, None, ""),
             Some(reason) => ledger.note(Fate::Informative, own.location, &statement, None, reason),
-            None => ledger.note(Fate::LeftOut, own.location, &statement, None, UNKNOWN),
+            None => ledger.unknown(own.location, &statement, None, UNKNOWN),
         }
     }
 }

@@ -157,7 +157,7 @@ fn every_key_has_a_fate() {
         assert!(informative.contains(&key), "{informative:?} lacks {key}");
     }
     let radius = lens.findings.iter().find(|own| own.statement == "Surfaces.Radius").expect("used");
-    assert_eq!((radius.fate, radius.lines.as_slice()), (Fate::Used, &[8, 10, 11][..]));
+    assert_eq!((radius.fate, radius.lines()), (Fate::Used, vec![8, 10, 11]));
     // The fates do not depend on line ends.
     let single = ok(&LHLT.replace('\n', " "));
     assert_eq!(single.interfaces, lens.interfaces);

@@ -91,7 +91,7 @@ impl<'t> Sections<'t> {
                 match heading.as_str() {
                     "descriptive data" => ledger.note(Fate::Informative, location, "heading", None, ""),
                     own if is_read.contains(&own) => ledger.note(Fate::Used, location, "heading", None, ""),
-                    _ => ledger.note(Fate::LeftOut, location, trimmed, None, UNREAD),
+                    _ => ledger.unknown(location, trimmed, None, UNREAD),
                 }
                 headings.push(heading);
                 continue;
@@ -113,7 +113,7 @@ impl<'t> Sections<'t> {
                     continue;
                 }
                 _ => {
-                    ledger.note(Fate::LeftOut, location, "line", None, UNREAD);
+                    ledger.unknown(location, "line", None, UNREAD);
                     continue;
                 }
             };
@@ -171,8 +171,10 @@ impl<'t> Sections<'t> {
             let name = row.cell(0);
             let is_known =
                 NAMES.iter().any(|known| name.is(known)) || cells.iter().any(|cell| cell.is(name.text));
-            let (fate, reason) = if is_known { (Fate::Used, "") } else { (Fate::LeftOut, UNNAMED) };
-            ledger.note(fate, name.location, if is_known { "variable" } else { name.text }, None, reason);
+            match is_known {
+                true => ledger.note(Fate::Used, name.location, "variable", None, ""),
+                false => ledger.unknown(name.location, name.text, None, UNNAMED),
+            }
         }
         for (surface, values) in &gaps {
             let first = complete[0];

@@ -51,7 +51,7 @@ pub(super) fn read(file: &str, bytes: &[u8], library: &GlassLibrary) -> Result<P
         Format::Foreign(message) => return Err(text.error(start, message)),
         _ => return Err(text.error(start, "no Zemax lens: it has no line SURF n")),
     }
-    let mut ledger = Ledger::of(&text);
+    let mut ledger = Ledger::of(&text).of_member(&member.name);
     let library = library.with_archived(archive.catalogues(&mut ledger)?);
     let coating_member = archive.coating_member(&text, &mut ledger);
     let coatings = coating_member.map(|member| archive.coatings(member)).transpose()?;

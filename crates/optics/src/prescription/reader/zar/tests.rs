@@ -79,7 +79,7 @@ fn a_lens_is_read_with_the_glasses_and_coatings_of_its_archive() {
         assert_eq!(lens.remarks, [""; 0]);
         let fate_of = |statement: &str| {
             let found = lens.findings.iter().find(|finding| finding.statement == statement);
-            found.map(|finding| (finding.fate, finding.reason.as_str(), finding.lines.len()))
+            found.map(|finding| (finding.fate, finding.reason.as_str(), finding.places.len()))
         };
         for used in ["LENS.ZMX", "OWN.AGF", "MINE.DAT"] {
             assert_eq!(fate_of(used), Some((Fate::Used, "", 0)), "{used}");

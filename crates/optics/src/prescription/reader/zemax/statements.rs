@@ -59,7 +59,7 @@ pub(super) fn record_fates(blocks: &Blocks<'_>, own: &[Block<'_>], ledger: &mut 
         } else if let Some(reason) = no_effect(key).or(otherwise) {
             ledger.note(Fate::Informative, location, key, None, reason);
         } else {
-            ledger.note(Fate::LeftOut, location, key, surface, UNKNOWN);
+            ledger.unknown(location, key, surface, UNKNOWN);
         }
     };
     blocks.general.iter().for_each(|record| line(record, None, None));
