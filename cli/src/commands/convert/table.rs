@@ -1,6 +1,7 @@
 //! Writes a prescription as the project's own table (`docs/lens-format.md`). The table reads back to the same bits:
 //! every number has enough digits to distinguish it from the neighbouring doubles.
 
+use super::numbers::{micrometres, number};
 use realistic_optics::prescription::{
     Aperture, Asphere, Blades, Coating, FIRST_POWER, Interface, Medium, Outline, Positions, Prescription,
     STACK, Shape, SurfaceCoating,
@@ -121,12 +122,6 @@ fn line(text: &mut String, keyword: &str, values: &[String]) {
     let _ = writeln!(text, "{keyword} {}", values.join(" "));
 }
 
-/// Returns the shortest digits that read back to the same number.
-fn number(number: f64) -> String {
-    let digits = format!("{number:?}");
-    digits.strip_suffix(".0").unwrap_or(&digits).to_owned()
-}
-
 fn or_dash(value: Option<f64>) -> String {
     value.map_or_else(|| "-".to_owned(), number)
 }
@@ -167,8 +162,7 @@ fn name_of_numbers(lens: &Prescription, interface: &Interface) -> String {
 
 /// Writes the wavelength range in which a formula is valid, µm.
 fn range(range: [f64; 2]) -> String {
-    // The shortest decimal number that reads back to the same number of nm is written.
-    let [from, to] = range.map(|end| number(format!("{:.12e}", 1e-3 * end).parse().unwrap_or(1e-3 * end)));
+    let [from, to] = range.map(|end| number(micrometres(end)));
     format!(" from={from} to={to}")
 }
 

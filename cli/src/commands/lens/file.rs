@@ -68,7 +68,9 @@ pub fn text(findings: &[Finding]) -> String {
         // Statements that have no effect on the lens need no reason.
         if matches!(fate, Fate::Informative | Fate::Used) {
             let count: usize = of_fate().map(|finding| finding.places.len().max(1)).sum();
-            let _ = writeln!(text, "{:<17} {count} statements", fate.name());
+            if count > 0 {
+                let _ = writeln!(text, "{:<17} {count} statements", fate.name());
+            }
             continue;
         }
         let mut groups: Vec<(&str, Vec<String>)> = Vec::new();

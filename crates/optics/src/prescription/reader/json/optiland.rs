@@ -2,7 +2,7 @@
 //! last, `aperture`, `fields` and `wavelengths`. Every surface has its place along the axis (`cs.z`) and the material
 //! behind it. Sizes are stated for surfaces with an `aperture` alone; the others follow from aperture and field.
 //!
-//! A material names a glass and perhaps its catalogue (`reference`). Its `filename` is a path on the computer of the
+//! A material names a glass and perhaps its catalogue (`catalog` or `reference`). Its `filename` is a path on the computer of the
 //! writer, and is never opened.
 
 use super::{
@@ -84,6 +84,9 @@ pub(super) const NO_EFFECT: NoEffect = &[
     ),
 ];
 
+/// Relative difference between a thickness and the distance of two places up to which the thickness is used.
+const ROUNDED: f64 = 1e-12;
+
 /// Reads a lens.
 ///
 /// # Errors
@@ -117,12 +120,19 @@ pub(super) fn read(
         .and_then(|geometry| geometry.get("cs"))
         .map_or(Ok(None), |cs| cs.number_or_infinity("z"))?
         .unwrap_or(f64::NEG_INFINITY);
+    let mut thicknesses: Vec<f64> = heights.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    for ((part, thickness), height) in own.iter().zip(&mut thicknesses).zip(&heights) {
+        // Places are sums, which are rounded.
+        let stated = part.get("thickness").and_then(|own| own.node.number());
+        let rounding = ROUNDED * (height.abs() + thickness.abs());
+        *thickness = stated.filter(|stated| (stated - *thickness).abs() <= rounding).unwrap_or(*thickness);
+    }
     let lens = SequentialLens {
         object: front,
         object_place: object.node.location,
         object_distance: heights[0] - object_height,
         surfaces,
-        thicknesses: heights.windows(2).map(|pair| pair[1] - pair[0]).collect(),
+        thicknesses,
         places,
         aperture: aperture(root)?,
         field: field(root, ledger)?,
@@ -324,7 +334,8 @@ fn medium(
         }
         "Material" => {
             let name = material.string("name")?.unwrap_or("");
-            let reference = material.string("reference")?.filter(|reference| !reference.is_empty());
+            let [catalogue, reference] = [material.string("catalog")?, material.string("reference")?];
+            let reference = catalogue.or(reference).filter(|reference| !reference.is_empty());
             let of_maker = reference.map(|reference| format!("{reference}:{name}"));
             match of_maker.map(|own| glasses.by_name(&own, None, None)) {
                 Some(Ok(medium)) => Ok(medium),

@@ -1,0 +1,90 @@
+//! The formats in which a lens can be written.
+
+use super::{code_v, optiland, sequence::Sequence, table, zemax};
+use realistic_optics::prescription::{Prescription, read};
+use std::path::Path;
+
+/// A format, named by the ending of its files.
+#[derive(clap::ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// The project's own table
+    Dat,
+    /// Zemax text
+    Zmx,
+    /// CODE V's commands
+    Seq,
+    /// JSON of Optiland
+    Json,
+}
+
+/// A lens in some format.
+#[derive(Debug)]
+pub struct Written {
+    pub text: String,
+    /// What the format cannot state, and what was added for it, in sentences.
+    pub notes: Vec<String>,
+}
+
+impl Format {
+    /// Every format with the ending of its files.
+    const ENDINGS: [(Self, &str); 4] =
+        [(Self::Dat, "dat"), (Self::Zmx, "zmx"), (Self::Seq, "seq"), (Self::Json, "json")];
+
+    /// Returns the format of a file's name; `None` for another ending.
+    pub fn of(path: &Path) -> Option<Self> {
+        let ending = path.extension()?;
+        Self::ENDINGS.iter().find(|(_, own)| ending.eq_ignore_ascii_case(own)).map(|(format, _)| *format)
+    }
+
+    /// Returns the endings, for messages.
+    pub fn endings() -> String {
+        Self::ENDINGS.map(|(_, ending)| format!(".{ending}")).join(", ")
+    }
+
+    /// Writes a lens.
+    ///
+    /// # Errors
+    /// The rays of the lens would be others in this format; the text gives the surface.
+    pub fn write(self, lens: &Prescription) -> Result<Written, String> {
+        if self == Self::Dat {
+            return Ok(Written { text: table::write(lens), notes: Vec::new() });
+        }
+        let as_read = lens.remarks.iter().map(|remark| format!("{AS_READ}{remark}"));
+        let mut notes: Vec<String> = as_read.collect();
+        let sequence = Sequence::of(lens, &mut notes);
+        let text = match self {
+            Self::Seq => code_v::write(lens, &sequence, &mut notes)?,
+            Self::Json => optiland::write(&sequence, &mut notes),
+            Self::Dat | Self::Zmx => zemax::write(&sequence, &mut notes),
+        };
+        // The user has the warnings of the lens itself already.
+        notes.retain(|note| !note.starts_with(AS_READ));
+        Ok(Written { text, notes })
+    }
+
+    /// Whether a line only states how the lens was read or what was left out.
+    fn is_note(self, line: &str) -> bool {
+        match self {
+            Self::Dat => line.starts_with(table::REMARK),
+            Self::Zmx => zemax::NOTES.iter().any(|start| line.starts_with(start)),
+            Self::Seq => line.starts_with(code_v::NOTE),
+            Self::Json => line.trim_start().starts_with("\"comment\": "),
+        }
+    }
+
+    /// Whether a file holds exactly what this program writes for the lens in it.
+    pub fn is_written_by_us(self, bytes: &[u8]) -> bool {
+        let text = String::from_utf8_lossy(bytes);
+        let Ok(lens) = read("old", bytes) else { return false };
+        let Ok(again) = self.write(&lens) else { return false };
+        // Notes depend on the file from which this one was converted.
+        let counts = |line: &&str| !self.is_note(line);
+        text.lines().filter(counts).eq(again.text.lines().filter(counts))
+    }
+}
+
+/// The beginning of a note about a statement of the source that was interpreted differently.
+const AS_READ: &str = "as it was read: ";
+
+#[cfg(test)]
+mod tests;
