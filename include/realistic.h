@@ -230,6 +230,9 @@ typedef struct realistic_options {
     // Parameter `glass_catalog`: glass catalogue (AGF) to search first for the glasses of a lens file, before
     // the catalogues beside the file and the built-in glasses.
     const char *glass_catalog;
+    // Parameter `strict`: whether to refuse a lens file of which a statement is replaced or left out that may
+    // change the picture; default false.
+    int32_t strict;
     // Parameter `film_distance`: distance from the last vertex to the film: positive, in mm; default the lens
     // file's, or focused at `focus_distance`.
     double film_distance;
@@ -885,9 +888,9 @@ realistic_status realistic_autofocus(const struct realistic_options *options,
                                      double *film_distance);
 
 // Opens a lens, which the caller frees with `realistic_lens_free`. `lens_file` or `lens_text`, with
-// `glass_catalog`, selects the lens; `wavelength`, `zoom` and `aperture_diameter` or `fnumber` set it up, as
-// for a camera. `xres`, `yres` and the transforms are not read. Any other parameter is refused, because it
-// would have no effect.
+// `glass_catalog` and `strict`, selects the lens; `wavelength`, `zoom` and `aperture_diameter` or `fnumber`
+// set it up, as for a camera. `xres`, `yres` and the transforms are not read. Any other parameter is
+// refused, because it would have no effect.
 realistic_status realistic_lens_new(const struct realistic_options *options, struct realistic_lens **out);
 
 // Frees a lens.

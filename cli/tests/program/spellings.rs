@@ -220,3 +220,45 @@ fn a_table_written_by_hand_is_kept_unless_forced() {
     // A table that `convert` wrote may be overwritten by `convert`.
     assert!(convert(&[]).status.success() && fs::read(&file).unwrap() == table);
 }
+
+#[test]
+fn a_lens_is_written_in_the_format_of_its_ending() {
+    let dir = tempfile::tempdir().unwrap();
+    let focal_length = |lens: &str| {
+        let output = realistic(dir.path(), &["lens", lens, "--json", "--strict"]);
+        let json: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        json["focal_length_mm"].as_f64().expect("a number")
+    };
+    let own = focal_length("tessar.50mm");
+    // Every format that is read, too.
+    for format in ["dat", "zmx", "json"] {
+        let file = format!("a.{format}");
+        let convert = || realistic(dir.path(), &["convert", "tessar.50mm", &file]);
+        assert!(convert().status.success(), "{format}");
+        assert!((focal_length(&file) - own).abs() < 1e-9 * own, "{format}");
+        let written = fs::read(dir.path().join(&file)).unwrap();
+        let piped = run(&["convert", "tessar.50mm", "-", "--as", format], "").stdout;
+        assert!(piped == written, "{format}");
+        // What `convert` wrote may be overwritten by `convert`; with another line in it, it is kept.
+        assert!(convert().status.success(), "{format}");
+        fs::write(dir.path().join(&file), [&written[..], b"\n"].concat()).unwrap();
+        assert_eq!(convert().status.code(), Some(1), "{format}");
+    }
+    let output = realistic(dir.path(), &["convert", "tessar.50mm", "a.seq"]);
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert!(stderr.contains("warning: ") && stderr.contains("without effect on rays: the year"), "{stderr}");
+    assert!(fs::read_to_string(dir.path().join("a.seq")).unwrap().contains("\nS "));
+}
+
+#[test]
+fn the_report_lists_every_statement_of_a_file() {
+    let text = "# x\n20 5 1.5 10\n-20 0 1 10\n";
+    let report = succeeds(&["lens", "-", "--report"], text);
+    let rows: Vec<&str> = report.lines().collect();
+    assert_eq!(rows.len(), 4, "{report}");
+    assert!(
+        rows[0].starts_with("place  fate") && rows[1].starts_with("1      informative  comment"),
+        "{report}"
+    );
+    assert!(rows[2].starts_with("2      used") && rows[3].starts_with("3      used"), "{report}");
+}

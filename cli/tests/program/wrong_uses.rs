@@ -132,7 +132,20 @@ const WRONG_USES: &[WrongUse] = &[
     (&["convert", "singlet.dat"], 2, &["where to?", "realistic convert IN OUT.dat"]),
     (&["convert", "singlet.dat", "singlet.dat"], 2, &["is the lens itself", "another name"]),
     (&["convert", "singlet.dat", "./singlet.dat", "--force"], 2, &["is the lens itself"]),
-    (&["convert", "singlet.dat", "lens.zmx"], 2, &["no other format", ".dat"]),
+    (&["convert", "singlet.dat", "lens.pdf"], 2, &["ends in .dat, .zmx, .seq, .json"]),
+    (
+        &["convert", "singlet.dat", "lens.zmx", "--as", "json"],
+        2,
+        &["lens.zmx has the ending of another format than --as"],
+    ),
+    (&["convert", "odd.dat", "lens.seq"], 1, &["surface 2 has a term of r^5", "write .zmx or .json"]),
+    (
+        &["lens", "unknown.zmx", "--strict"],
+        1,
+        &["which \"strict\" demands: left out XYZW (line 1): a keyword"],
+    ),
+    (&["render", "unknown.zmx", "--strict"], 1, &["which \"strict\" demands"]),
+    (&["lens", "unknown.zmx", "--report", "--json"], 2, &["--report", "--json"]),
     (&["convert", "dgauss.50mm", "singlet.dat"], 1, &["was not written by `convert`", "--force"]),
     (&["install", "singlet.dat"], 2, &["singlet.dat is a file; give a folder"]),
     (&["install", "plugins", "--plugin", "nothing.so"], 1, &["nothing.so"]),
@@ -146,10 +159,16 @@ const WRONG_USES: &[WrongUse] = &[
     (&["merge", "--out", "whole.png"], 2, &["<TILE>"]),
 ];
 
+/// A lens with a statement that no reader knows.
+const UNKNOWN: &str = "XYZW 1\nSURF 0\n  DISZ INFINITY\nSURF 1\n  STOP\n  CURV 0.02\n  DISZ 4\n  GLAS N-BK7 0 0\n  DIAM 5 1\n\
+                       SURF 2\n  CURV -0.02\n  DISZ 48\n  DIAM 5 1\nSURF 3\n";
+
 #[test]
 fn messages_of_wrong_uses_state_the_error_and_the_correction() {
     let dir = tempfile::tempdir().unwrap();
     fs::write(dir.path().join("singlet.dat"), "# my own\n20 5 1.5 10\n-20 0 1 10\n").unwrap();
+    fs::write(dir.path().join("odd.dat"), "20 5 1.5 10\n-20 30 1 10\nasphere 2 conic=0 A5=1e-6\n").unwrap();
+    fs::write(dir.path().join("unknown.zmx"), UNKNOWN).unwrap();
     fs::write(dir.path().join("lens.json"), "{\"surfaces\": []}\n").unwrap();
     fs::write(dir.path().join("picture.png"), b"\x89PNG\r\n\x1a\n\0\0").unwrap();
     let files = || {

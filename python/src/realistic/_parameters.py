@@ -23,6 +23,9 @@ class Parameters(TypedDict, total=False):
     glass_catalog: str | os.PathLike[str] | None
     """Glass catalogue (AGF) to search first for the glasses of a lens file, before the catalogues beside the file
     and the built-in glasses."""
+    strict: bool | None
+    """Whether to refuse a lens file of which a statement is replaced or left out that may change the picture; default
+    false."""
     film_distance: float | None
     """Distance from the last vertex to the film: positive, in mm; default the lens file's, or focused at
     `focus_distance`."""
@@ -153,6 +156,7 @@ MEMBERS: list[tuple[str, Any]] = [
     ("model", c_char_p),
     ("lens_file", c_char_p),
     ("glass_catalog", c_char_p),
+    ("strict", c_int32),
     ("film_distance", c_double),
     ("focus_distance", c_double),
     ("focus_by", c_char_p),

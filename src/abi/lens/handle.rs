@@ -77,9 +77,9 @@ impl OpenedLens {
 static TAG: u8 = 0x4c;
 
 /// Opens a lens, which the caller frees with `realistic_lens_free`. `lens_file` or `lens_text`, with
-/// `glass_catalog` and `strict`, selects the lens; `wavelength`, `zoom` and `aperture_diameter` or `fnumber` set it up, as
-/// for a camera. `xres`, `yres` and the transforms are not read. Any other parameter is refused, because it
-/// would have no effect.
+/// `glass_catalog` and `strict`, selects the lens; `wavelength`, `zoom` and `aperture_diameter` or `fnumber`
+/// set it up, as for a camera. `xres`, `yres` and the transforms are not read. Any other parameter is
+/// refused, because it would have no effect.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn realistic_lens_new(
     options: *const realistic_options,

@@ -6,9 +6,8 @@ use super::{
     numbers::{number, numbers},
     sequence::{Row, Sequence},
 };
-use realistic_optics::lens::{Lens, pupil::EntrancePupil};
 use realistic_optics::prescription::{
-    Aperture, Medium, Outline, Prescription,
+    Aperture, Medium, Outline,
     glass::{C_LINE, D_LINE, F_LINE, Formula, refractive_index},
 };
 use std::fmt::Write as _;
@@ -26,11 +25,7 @@ const TABLE: [f64; 9] = [404.66, 435.84, 479.99, F_LINE, 546.07, D_LINE, 632.8, 
 ///
 /// # Errors
 /// A surface has a figure without words in this format. The rays of another figure would be wrong.
-pub fn write(
-    lens: &Prescription,
-    sequence: &Sequence<'_>,
-    notes: &mut Vec<String>,
-) -> Result<String, String> {
+pub fn write(sequence: &Sequence<'_>, notes: &mut Vec<String>) -> Result<String, String> {
     sequence.note_one_configuration(notes);
     sequence.note_no_coatings(notes);
     let mut private = PrivateGlasses::default();
@@ -60,8 +55,7 @@ pub fn write(
     if let Some(title) = sequence.title {
         let _ = writeln!(text, "TITLE '{}'", title.replace('\'', "`"));
     }
-    let pupil = EntrancePupil::of_surface(&Lens::at_own_wavelength(lens), sequence.stop().number - 1);
-    let _ = writeln!(text, "EPD {}\nDIM M", number(pupil.diameter()));
+    let _ = writeln!(text, "EPD {}\nDIM M", number(sequence.entrance_pupil));
     let _ = writeln!(text, "WL {}", numbers(sequence.wavelengths.iter().copied()));
     let _ = writeln!(text, "REF {}", sequence.primary + 1);
     let angles = sequence.angles();
@@ -155,7 +149,7 @@ impl PrivateGlasses {
                 }
             };
             let _ = writeln!(text, "'{name}' {constants}");
-            if let Some(own) = material.own_name() {
+            if let Some(own) = material.name() {
                 notes.push(format!("{name} is {own}"));
             }
         }

@@ -53,7 +53,7 @@ impl Format {
         let mut notes: Vec<String> = as_read.collect();
         let sequence = Sequence::of(lens, &mut notes);
         let text = match self {
-            Self::Seq => code_v::write(lens, &sequence, &mut notes)?,
+            Self::Seq => code_v::write(&sequence, &mut notes)?,
             Self::Json => optiland::write(&sequence, &mut notes),
             Self::Dat | Self::Zmx => zemax::write(&sequence, &mut notes),
         };

@@ -67,10 +67,11 @@ impl Material {
         }
     }
 
-    /// Returns the name of a glass that is stated by numbers.
-    pub fn own_name(&self) -> Option<&str> {
+    /// Returns the name that the lens has for the glass.
+    pub fn name(&self) -> Option<&str> {
         match self {
-            Self::Air | Self::Named { .. } => None,
+            Self::Air => None,
+            Self::Named { name, .. } => Some(name),
             Self::Numbers { name, .. } | Self::Formula { name, .. } => name.as_deref(),
         }
     }
@@ -93,7 +94,7 @@ impl Material {
         let steps = (0..=300).map(|i| VISIBLE[0] + f64::from(i)).filter(|nm| (from..=to).contains(nm));
         let error = |nm: f64| (refractive_index(stated, nm) - refractive_index(medium, nm)).abs();
         let largest = steps.chain([wavelength]).map(error).fold(0.0, f64::max);
-        let name = self.own_name().unwrap_or("a glass with a formula");
+        let name = self.name().unwrap_or("a glass with a formula");
         let remark = format!(
             "{name} is written by n_d {} and V {}; its index is off by at most {} in the visible",
             number(short_index(d)),

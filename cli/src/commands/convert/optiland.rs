@@ -16,7 +16,7 @@ const INFINITY: [(&str, &str); 2] =
 pub fn write(sequence: &Sequence<'_>, notes: &mut Vec<String>) -> String {
     sequence.note_one_configuration(notes);
     sequence.note_no_coatings(notes);
-    let primary = sequence.wavelengths[sequence.primary];
+    let primary = sequence.primary_wavelength();
     let object = geometry("Plane", -sequence.configurations[0].object_distance, f64::INFINITY);
     let mut surfaces = vec![json!({
         "type": "ObjectSurface",
@@ -29,7 +29,7 @@ pub fn write(sequence: &Sequence<'_>, notes: &mut Vec<String>) -> String {
         let mut own = surface(figure(row, z), material(&row.behind, primary, notes));
         own["thickness"] = json!(row.thickness);
         own["is_stop"] = json!(row.is_stop);
-        own["comment"] = json!(row.behind.own_name().unwrap_or(""));
+        own["comment"] = json!(row.behind.name().unwrap_or(""));
         let circle = json!({ "type": "RadialAperture", "r_max": row.semi_diameter, "r_min": 0.0 });
         own["aperture"] = row.shape(|shape| aperture(shape, row.semi_diameter), notes).unwrap_or(circle);
         surfaces.push(own);
@@ -95,8 +95,7 @@ fn surface(geometry: Value, material: Value) -> Value {
 
 /// Returns the geometry of a row with its vertex at z.
 fn figure(row: &Row<'_>, z: f64) -> Value {
-    let step = if row.is_even() { 2 } else { 1 };
-    let count = row.terms.iter().map(|(power, _)| power / step).max().unwrap_or(0);
+    let (step, count) = row.powers();
     let kind = match (count, step) {
         (0, _) if row.radius.is_infinite() => return geometry("Plane", z, row.radius),
         (0, _) => "StandardGeometry",

@@ -6,7 +6,7 @@ use super::glasses::Material;
 use realistic_base::message::{counted, short};
 use realistic_optics::imaging::axial_beam::AxialBeam;
 use realistic_optics::imaging::moving::MovingGroups;
-use realistic_optics::lens::{Lens, first_order::FirstOrder};
+use realistic_optics::lens::{Lens, first_order::FirstOrder, pupil::EntrancePupil};
 use realistic_optics::prescription::{
     Aperture, FIRST_POWER, Outline, Prescription, Shape, SurfaceCoating,
     glass::{C_LINE, F_LINE},
@@ -20,7 +20,7 @@ pub struct Row<'a> {
     /// Signed radius, mm; infinite for a plane.
     pub radius: f64,
     pub conic: f64,
-    /// The powers of r with the coefficients that are not 0, mm^(1 - power).
+    /// The powers of r, in ascending order, with the coefficients that are not 0, mm^(1 - power).
     pub terms: Vec<(usize, f64)>,
     /// Distance to the next surface, or to the image, mm.
     pub thickness: f64,
@@ -57,6 +57,8 @@ pub struct Sequence<'a> {
     pub wavelengths: Vec<f64>,
     /// The wavelength for which the lens is described, among these.
     pub primary: usize,
+    /// Diameter of the entrance pupil, by first-order optics, mm.
+    pub entrance_pupil: f64,
     /// Half of the field of view, degrees; 0 if the lens states none.
     pub half_field: f64,
     /// The settings of the lens, at least one. The rows are as the first of them says.
@@ -108,7 +110,9 @@ impl<'a> Sequence<'a> {
         if let Some(last) = rows.last_mut() {
             last.thickness = film;
         }
+        let own = lens.interfaces[stop].semi_diameter;
         rows[stop].semi_diameter = rows[stop].semi_diameter.min(configurations[0].stop);
+        let opening = rows[stop].semi_diameter / own;
         for (number, gap) in &configurations[0].gaps {
             rows[number - 1].thickness = *gap;
         }
@@ -121,9 +125,15 @@ impl<'a> Sequence<'a> {
             rows,
             primary: usize::from(has_colours),
             wavelengths,
+            entrance_pupil: opening * EntrancePupil::of_surface(&traced, stop).diameter(),
             half_field: lens.stated.fields.first().copied().flatten().unwrap_or(0.0) / 2.0,
             configurations,
         }
+    }
+
+    /// Returns the wavelength for which the lens is described, nm.
+    pub fn primary_wavelength(&self) -> f64 {
+        self.wavelengths[self.primary]
     }
 
     /// Returns the angles of the field, degrees: the axis, seven tenths of the field and its end.
@@ -197,9 +207,11 @@ impl<'a> Row<'a> {
         stated
     }
 
-    /// Returns whether all terms have even powers.
-    pub fn is_even(&self) -> bool {
-        self.terms.iter().all(|(power, _)| power % 2 == 0)
+    /// Returns the step between the powers of r of which the terms are some, 2 if all are even, otherwise 1, and the
+    /// number of such powers up to the highest.
+    pub fn powers(&self) -> (usize, usize) {
+        let step = if self.terms.iter().all(|(power, _)| power % 2 == 0) { 2 } else { 1 };
+        (step, self.terms.last().map_or(0, |(power, _)| power / step))
     }
 }
 

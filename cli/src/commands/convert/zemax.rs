@@ -18,7 +18,7 @@ const MOST_PARAMETERS: usize = 8;
 /// Returns the text. `notes` has the notes about the sequence, and receives what the format cannot state.
 pub fn write(sequence: &Sequence<'_>, notes: &mut Vec<String>) -> String {
     let catalogues = catalogues(sequence);
-    let primary = sequence.wavelengths[sequence.primary];
+    let primary = sequence.primary_wavelength();
     let mut surfaces = String::new();
     begin_surface(&mut surfaces, 0);
     surfaces += "  TYPE STANDARD\n  CURV 0\n";
@@ -95,7 +95,7 @@ fn write_glass(
         }
         _ => {
             let (n_d, abbe, note) = material.two_numbers(wavelength);
-            if let Some(name) = material.own_name() {
+            if let Some(name) = material.name() {
                 let _ = writeln!(text, "  COMM {name}");
             }
             let _ = writeln!(
@@ -136,8 +136,7 @@ fn write_row(
 }
 
 fn write_figure(text: &mut String, row: &Row<'_>) {
-    let step = if row.is_even() { 2 } else { 1 };
-    let count = row.terms.iter().map(|(power, _)| power / step).max().unwrap_or(0);
+    let (step, count) = row.powers();
     let is_extended = count > MOST_PARAMETERS;
     let kind = match (count, step, is_extended) {
         (0, ..) => "STANDARD",
