@@ -21,7 +21,7 @@ pub enum Format {
 #[derive(Debug)]
 pub struct Written {
     pub text: String,
-    /// What the format cannot state, and what was added for it, in sentences.
+    /// Sentences about everything that the format cannot state, and about additions for it.
     pub notes: Vec<String>,
 }
 

@@ -8,7 +8,8 @@ use super::{
 use realistic_optics::prescription::{Aperture, Outline};
 use serde_json::{Value, json};
 
-/// What stands for infinity until the text is written. No string of a lens has a control character.
+/// Strings that stand for infinity until the text is written, and the words for them. No string of a lens has a control
+/// character.
 const INFINITY: [(&str, &str); 2] =
     [("\"\\u0001-Infinity\"", "-Infinity"), ("\"\\u0001Infinity\"", "Infinity")];
 

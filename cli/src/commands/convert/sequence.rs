@@ -51,7 +51,7 @@ pub struct Sequence<'a> {
     pub title: Option<&'a str>,
     /// The medium in front of the lens.
     pub object: Material,
-    /// The rows, of which one is the stop.
+    /// The rows; one is the stop.
     pub rows: Vec<Row<'a>>,
     /// Wavelengths, nm, in ascending order.
     pub wavelengths: Vec<f64>,
@@ -80,8 +80,10 @@ impl<'a> Sequence<'a> {
         });
         let film = lens.nominal_film_distance.unwrap_or_else(|| {
             let focus = FirstOrder::of(&traced).map_or(0.0, |optics| optics.back_focal_distance());
-            notes.push("the lens states no place of the film; the image is at its paraxial focus".to_owned());
-            if focus.is_finite() { focus.max(0.0) } else { 0.0 }
+            let focus = Some(focus).filter(|focus| *focus > 0.0 && focus.is_finite());
+            let place = if focus.is_some() { "its paraxial focus" } else { "the last surface" };
+            notes.push(format!("the lens states no place of the film; the image is at {place}"));
+            focus.unwrap_or(0.0)
         });
         let configurations = configurations(lens, lens.interfaces[stop].semi_diameter);
         let mut media = lens.media().map(|medium| Material::of(lens, medium));
@@ -91,6 +93,7 @@ impl<'a> Sequence<'a> {
             .zip(media)
             .map(|((number, interface), behind)| {
                 let (radius, conic, terms) = figure(&interface.shape);
+                let is_stop = number == stop + 1;
                 let mut row = Row {
                     number,
                     radius,
@@ -98,8 +101,8 @@ impl<'a> Sequence<'a> {
                     terms,
                     thickness: interface.thickness,
                     behind,
-                    semi_diameter: interface.semi_diameter,
-                    is_stop: number == stop + 1,
+                    semi_diameter: if is_stop { configurations[0].stop } else { interface.semi_diameter },
+                    is_stop,
                     shapes: Vec::new(),
                     coating: lens.coatings.as_ref().and_then(|coatings| coatings.get(number - 1)),
                 };
@@ -110,9 +113,8 @@ impl<'a> Sequence<'a> {
         if let Some(last) = rows.last_mut() {
             last.thickness = film;
         }
-        let own = lens.interfaces[stop].semi_diameter;
-        rows[stop].semi_diameter = rows[stop].semi_diameter.min(configurations[0].stop);
-        let opening = rows[stop].semi_diameter / own;
+        // The stop of the traced lens has the size of the table's row.
+        let opening = rows[stop].semi_diameter / lens.interfaces[stop].semi_diameter;
         for (number, gap) in &configurations[0].gaps {
             rows[number - 1].thickness = *gap;
         }
@@ -207,8 +209,8 @@ impl<'a> Row<'a> {
         stated
     }
 
-    /// Returns the step between the powers of r of which the terms are some, 2 if all are even, otherwise 1, and the
-    /// number of such powers up to the highest.
+    /// Returns the step between the powers of a series in r that has all terms, and the number of powers in it. The step
+    /// is 2 if all powers are even.
     pub fn powers(&self) -> (usize, usize) {
         let step = if self.terms.iter().all(|(power, _)| power % 2 == 0) { 2 } else { 1 };
         (step, self.terms.last().map_or(0, |(power, _)| power / step))

@@ -18,7 +18,7 @@ fn back(format: Format, lens: &Prescription) -> (Prescription, Written) {
 #[track_caller]
 fn same_rays(one: &Prescription, other: &Prescription, most: f64, what: &str) {
     let lenses = [one, other].map(Lens::at_own_wavelength);
-    let [path, back] = lenses.each_ref().map(RayPath::<f64>::scene_to_film);
+    let [path, back] = lenses.each_ref().map(|lens| RayPath::<f64>::scene_to_film(lens).with_apertures(lens));
     let reach = lenses[0].front().semi_diameter;
     let mut passed = 0;
     for slope in [0.0, 0.1, -0.3] {

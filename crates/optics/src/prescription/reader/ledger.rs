@@ -26,7 +26,7 @@ enum Effect {
     None,
     /// An effect of which a warning tells the user.
     Warned,
-    /// An effect that is not known here, or of which the user has a warning already.
+    /// An unknown effect, or an effect that another warning states.
     Unknown,
 }
 

@@ -50,6 +50,7 @@ pub(super) const NO_EFFECT: NoEffect = &[
             "wavelengths",
             "wavelengths.value",
             "wavelengths.unit",
+            "wavelengths.is_primary",
             "vx",
             "vy",
             "weight",
