@@ -46,17 +46,17 @@ impl Format {
     /// # Errors
     /// The rays of the lens would be others in this format; the text gives the surface.
     pub fn write(self, lens: &Prescription) -> Result<Written, String> {
-        if self == Self::Dat {
-            return Ok(Written { text: table::write(lens), notes: Vec::new() });
-        }
+        type Writer = fn(&Sequence<'_>, &mut Vec<String>) -> Result<String, String>;
+        let writer: Writer = match self {
+            Self::Dat => return Ok(Written { text: table::write(lens), notes: Vec::new() }),
+            Self::Zmx => |sequence, notes| Ok(zemax::write(sequence, notes)),
+            Self::Seq => code_v::write,
+            Self::Json => |sequence, notes| Ok(optiland::write(sequence, notes)),
+        };
         let as_read = lens.remarks.iter().map(|remark| format!("{AS_READ}{remark}"));
         let mut notes: Vec<String> = as_read.collect();
         let sequence = Sequence::of(lens, &mut notes);
-        let text = match self {
-            Self::Seq => code_v::write(&sequence, &mut notes)?,
-            Self::Json => optiland::write(&sequence, &mut notes),
-            Self::Dat | Self::Zmx => zemax::write(&sequence, &mut notes),
-        };
+        let text = writer(&sequence, &mut notes)?;
         // The user has the warnings of the lens itself already.
         notes.retain(|note| !note.starts_with(AS_READ));
         Ok(Written { text, notes })
