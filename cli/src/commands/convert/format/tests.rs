@@ -23,10 +23,9 @@ fn same_rays(one: &Prescription, other: &Prescription, most: f64, what: &str) {
     let mut passed = 0;
     for slope in [0.0, 0.1, -0.3] {
         for i in -10..=10 {
-            let ray = Ray {
-                origin: [0.1 * reach, 0.1 * f64::from(i) * reach, 50.0],
-                direction: [0.0, slope, -1.0],
-            };
+            // The pupil of a fisheye lens is a small part of its front.
+            let height = (0.1 * f64::from(i)).powi(3) * reach;
+            let ray = Ray { origin: [0.01 * reach, height, 50.0], direction: [0.0, slope, -1.0] };
             match (path.trace(ray), back.trace(ray)) {
                 (Ok(one), Ok(two)) => {
                     passed += 1;
