@@ -482,7 +482,7 @@ fn no_line_of_a_file_is_missing_in_the_list_of_fates() {
     let text =
         with(&[("PWAV 1\n", "PWAV 1\nNOTE 0 a lens\nWHAT 1 2\n"), ("DIAM 8 1\n", "DIAM 8 1\n  WHY 3\n")]);
     let read = lens(&text);
-    let mut lines: Vec<usize> = read.findings.iter().flat_map(|own| own.lines.iter().copied()).collect();
+    let mut lines: Vec<usize> = read.findings.iter().flat_map(|own| own.lines()).collect();
     lines.sort_unstable();
     lines.dedup();
     assert_eq!(lines, (1..=text.lines().count()).collect::<Vec<_>>());
