@@ -40,7 +40,7 @@ pub fn stop_picture(
     }
     let (path, bytes) =
         find_file("picture", name, &host.search, MOST_BYTES).map_err(CameraError::PictureFile)?;
-    let refused = |why: String| CameraError::StopPicture { path: path.clone(), why };
+    let refused = |why: String| CameraError::StopPicture { path: path.as_str().into(), why };
     let Pixels { size, values, is_srgb } = decoded(&bytes).map_err(refused)?;
     let check = |(i, value): (usize, &f32)| {
         let [x, y] = [i % size[0], i / size[0]];

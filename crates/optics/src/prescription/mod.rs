@@ -40,7 +40,9 @@ pub use interfaces::{
 pub use picture::{MAX_PICTURE_SIDE, StopPicture};
 pub use positions::{Layout, Position, Positions};
 pub use reader::{read, read_with};
-pub use source::{SearchPath, SourceError, find_file, glass_library};
+pub use source::{
+    Collection, CollectionFile, Fault, MAX_FILES, SearchPath, SourceError, find_file, glass_library,
+};
 pub(crate) use source::{load, split_scale};
 
 /// An error in a lens file, shown as `file:line:column: what was expected`.

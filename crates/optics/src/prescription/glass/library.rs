@@ -4,6 +4,7 @@
 use std::{
     cell::OnceCell,
     path::{Path, PathBuf},
+    sync::Arc,
 };
 
 use super::{built_in, loose};
@@ -20,9 +21,12 @@ pub struct GlassLibrary {
     given: Vec<Catalogue>,
     /// The catalogues in the archive that holds the lens file.
     archived: Vec<Catalogue>,
-    /// The lens file's directory, if it has one. The catalogues in it are indexed when a glass is first looked up.
+    /// The lens file's directory, if it has one. The catalogues in it are indexed when a glass is first looked up, as are
+    /// those of the other places.
     directory: Option<PathBuf>,
-    beside: OnceCell<DirectoryCatalogues>,
+    /// Catalogues, and directories of them, that are used for every lens.
+    places: Arc<[PathBuf]>,
+    indexed: OnceCell<Vec<PlaceCatalogues>>,
 }
 
 /// A glass found by name.
@@ -63,9 +67,9 @@ impl Name {
     }
 }
 
-/// The catalogues in the directory of a lens file, and a warning for each catalogue left out.
+/// The catalogues in a directory, or a single one, and a warning for each catalogue left out.
 #[derive(Clone, Debug, Default)]
-struct DirectoryCatalogues {
+struct PlaceCatalogues {
     catalogues: Vec<Catalogue>,
     warnings: Vec<String>,
 }
@@ -91,11 +95,17 @@ impl GlassLibrary {
         &self.archived
     }
 
-    /// Adds the catalogues (`*.agf`) in the directory of `lens_file`.
+    /// Returns the library with the catalogues (`*.agf`) in the directory of `lens_file`.
     #[must_use]
-    pub fn beside(mut self, lens_file: &Path) -> Self {
-        self.directory = lens_file.parent().map(Path::to_owned);
-        self
+    pub fn beside(&self, lens_file: &Path) -> Self {
+        let directory = lens_file.parent().map(Path::to_owned);
+        Self { directory, indexed: OnceCell::new(), ..self.clone() }
+    }
+
+    /// Returns the library with more catalogues, or directories of them, which follow those beside the lens file.
+    #[must_use]
+    pub fn with_places(&self, places: &[PathBuf]) -> Self {
+        Self { places: places.into(), indexed: OnceCell::new(), ..self.clone() }
     }
 
     /// Returns the glass of that name; case, dashes, underscores and spaces are ignored. `CATALOGUE:NAME` searches only
@@ -109,7 +119,7 @@ impl GlassLibrary {
 
     /// Returns all glasses of that name, as [`find`](Self::find) interprets it. The order of preference is: the user's
     /// catalogue, the catalogues in `first` (`loose` names, in order), the catalogues in the lens's archive, those beside
-    /// the lens file, the built-in glasses. The iterator reads an entry only when it reaches the entry, so that
+    /// the lens file, those of the other places, the built-in glasses. The iterator reads an entry only when it reaches the entry, so that
     /// [`warnings`](Self::warnings) reports nothing about later entries.
     pub fn candidates<'a>(&'a self, name: &str, first: &[String]) -> impl Iterator<Item = Found> + use<'a> {
         let Name { only, group, own } = Name::of(name);
@@ -125,7 +135,7 @@ impl GlassLibrary {
             .iter()
             .filter(has)
             .map(|file| (Some(0), file.name.as_str(), GlassSource::Catalogue(file)));
-        let beside = self.archived.iter().chain(&self.catalogues_beside().catalogues).filter(has);
+        let beside = self.archived.iter().chain(self.indexed()).filter(has);
         let beside = beside.map(|file| (file.name.as_str(), GlassSource::Catalogue(file)));
         let built_in = built_in::candidates(&own)
             .into_iter()
@@ -187,30 +197,43 @@ impl GlassLibrary {
 
     /// Returns a warning for each part of the searched catalogues that was left out.
     pub fn warnings(&self) -> Vec<String> {
-        let beside = self.beside.get();
+        let indexed = self.indexed.get().into_iter().flatten();
         let files = self.given.iter().chain(&self.archived);
-        let files = files.chain(beside.iter().flat_map(|beside| &beside.catalogues));
-        beside
-            .iter()
-            .flat_map(|beside| beside.warnings.clone())
-            .chain(files.flat_map(Catalogue::warnings))
-            .collect()
+        let files = files.chain(indexed.clone().flat_map(|place| &place.catalogues));
+        indexed.flat_map(|place| place.warnings.clone()).chain(files.flat_map(Catalogue::warnings)).collect()
     }
 
-    fn catalogues_beside(&self) -> &DirectoryCatalogues {
-        self.beside.get_or_init(|| {
-            self.directory.as_deref().map_or_else(DirectoryCatalogues::default, DirectoryCatalogues::of)
-        })
+    /// Returns the catalogues beside the lens file and of the other places.
+    fn indexed(&self) -> impl Iterator<Item = &Catalogue> {
+        let indexed = self.indexed.get_or_init(|| {
+            let beside = self.directory.iter().map(|directory| PlaceCatalogues::of_directory(directory));
+            beside.chain(self.places.iter().map(|place| PlaceCatalogues::of(place))).collect()
+        });
+        indexed.iter().flat_map(|place| &place.catalogues)
     }
 
     fn files(&self) -> impl Iterator<Item = &Catalogue> {
-        self.given.iter().chain(&self.archived).chain(&self.catalogues_beside().catalogues)
+        self.given.iter().chain(&self.archived).chain(self.indexed())
     }
 }
 
-impl DirectoryCatalogues {
-    /// Reads the catalogues of a directory, in the order of their names, within the limits on number and size.
-    fn of(directory: &Path) -> Self {
+impl PlaceCatalogues {
+    /// Reads a catalogue, or the catalogues of a directory.
+    fn of(place: &Path) -> Self {
+        match place.metadata() {
+            Ok(found) if found.is_dir() => Self::of_directory(place),
+            Ok(found) if found.is_file() => Self::of_files(vec![place.to_owned()]),
+            other => {
+                let why =
+                    other.map_or_else(|error| error.to_string(), |_| "no file and no directory".to_owned());
+                let warning = format!("glass catalogue {} cannot be read: {why}", place.display());
+                Self { warnings: vec![warning], ..Self::default() }
+            }
+        }
+    }
+
+    /// Reads the catalogues of a directory, in the order of their names.
+    fn of_directory(directory: &Path) -> Self {
         let is_catalogue = |path: &PathBuf| {
             path.extension().is_some_and(|end| end.eq_ignore_ascii_case("agf")) && path.is_file()
         };
@@ -219,6 +242,11 @@ impl DirectoryCatalogues {
         let mut files: Vec<PathBuf> =
             entries.filter_map(|entry| Some(entry.ok()?.path())).filter(is_catalogue).collect();
         files.sort();
+        Self::of_files(files)
+    }
+
+    /// Reads catalogues within the limits on number and size.
+    fn of_files(files: Vec<PathBuf>) -> Self {
         let mut all = Self::default();
         let (mut bytes_left, mut glasses_left) = (MAX_CATALOG_BYTES, MAX_CATALOG_GLASSES);
         let mut beyond: Vec<String> = Vec::new();
@@ -250,7 +278,7 @@ impl DirectoryCatalogues {
             let more =
                 if beyond.len() > 3 { format!(" and {} more", beyond.len() - 3) } else { String::new() };
             all.warnings.push(format!(
-                "glass catalogues beside the lens that are not looked into: {some}{more}; those looked into have at most \
+                "glass catalogues that are not looked into: {some}{more}; those looked into have at most \
                  {MAX_CATALOGS} files, {MAX_CATALOG_BYTES} bytes and {MAX_CATALOG_GLASSES} glasses together; give the one that \
                  the lens needs as \"glass_catalog\""
             ));
@@ -285,7 +313,7 @@ mod tests {
     }
 
     fn counts(library: &GlassLibrary) -> [usize; 2] {
-        let beside = &library.beside.get().expect("looked into").catalogues;
+        let beside = &library.indexed.get().expect("looked into")[0].catalogues;
         [beside.len(), beside.iter().map(Catalogue::len).sum()]
     }
 

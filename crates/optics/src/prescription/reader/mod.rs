@@ -34,6 +34,7 @@ mod zemax;
 
 use super::{
     Fate, LensFileError, MAX_FILE_BYTES, MAX_NAME_BYTES, glass::GlassLibrary, interfaces::Prescription,
+    source::is_zip,
 };
 use ledger::Ledger;
 use realistic_base::message::{counted, cut, folded};
@@ -196,9 +197,10 @@ fn binary(bytes: &[u8]) -> Option<&'static str> {
         [b'Z', b'o', b'S', 0, ..] => {
             Some("a binary file of OpticStudio (.zos), which is not read: save it there as Zemax text (.zmx)")
         }
-        [b'P', b'K', 3, 4, ..] | [0x1F, 0x8B, ..] => {
-            Some("a zip archive, and archives are not read: unpack it and give the lens file in it")
-        }
+        _ if is_zip(bytes) => Some(
+            "a zip archive of files: give one of its lenses, as ARCHIVE.zip/LENS; `realistic lenses ARCHIVE.zip` lists them",
+        ),
+        [0x1F, 0x8B, ..] => Some("a gzip archive, which is not read: unpack it and give the lens file in it"),
         _ if bytes.starts_with(POINTER) => Some(
             "a Git LFS pointer: the lens file itself was not downloaded; run \"git lfs pull\" where it comes from",
         ),
@@ -326,7 +328,8 @@ mod tests {
             ),
             (b"\xEA\0\0\0\nSURF 0\n", "the Zemax archive is damaged: the header of member 1"),
             (b"ZoS\0\x01\0\0\0\x01\0\0\0", "a binary file of OpticStudio (.zos)"),
-            (b"PK\x03\x04", "a zip archive"),
+            (b"PK\x03\x04", "a zip archive of files: give one of its lenses"),
+            (b"\x1F\x8B\x08", "a gzip archive"),
             (b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 5529\n", "a Git LFS pointer"),
         ] {
             let error = read("other", bytes).expect_err(what).to_string();

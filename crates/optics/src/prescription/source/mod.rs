@@ -1,25 +1,35 @@
-//! Finds a lens by the name that a caller gives: a file as given, a file along a search path, or a lens of the
-//! catalogue. The name may end with a focal length to which the lens is to be scaled (`NAME@35mm`).
+//! Finds a lens by the name that a caller gives: a file as given, a file along a search path, a lens of the
+//! catalogue, or a lens of the user's collections. The name may end with a focal length to which the lens is to be
+//! scaled (`NAME@35mm`).
+//!
+//! [`place`] reads a file, also as a member of a [`zip`] archive. [`collection`] lists the files of a folder tree or
+//! an archive, and [`named`] finds a lens among them.
+
+mod collection;
+mod error;
+mod named;
+mod place;
+mod zip;
 
 use std::{
     collections::BTreeSet,
-    io::{ErrorKind, Read},
     path::{Path, PathBuf},
 };
 
-use thiserror::Error;
-
-use realistic_base::message::{cut, nearest_or_all};
-
 use super::{
-    LensFileError, MAX_ARCHIVE_BYTES, MAX_CATALOG_BYTES, MAX_FILE_BYTES, MAX_NAME_BYTES, MAX_PATH_BYTES,
-    catalogue,
-    glass::GlassLibrary,
+    MAX_CATALOG_BYTES, MAX_NAME_BYTES, MAX_PATH_BYTES, catalogue, glass::GlassLibrary,
     interfaces::Prescription,
-    reader::{is_archive, read_with},
 };
+pub use collection::{Collection, CollectionFile, Fault, MAX_FILES};
+pub use error::SourceError;
+use named::{Candidates, by_path};
+use place::Place;
+pub(super) use place::bounded;
+use realistic_base::message::cut;
+pub(super) use zip::is_zip;
 
-/// The directories in which relative names of lens files are searched, in order, after the working directory.
+/// The directories in which relative names of lens files are searched, in order, after the working directory; and the
+/// user's collections of lenses and catalogues of glass.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SearchPath {
     /// The directories, each listed once.
@@ -28,13 +38,42 @@ pub struct SearchPath {
     canonical: BTreeSet<PathBuf>,
     /// A note for messages about a directory that the user may expect in the path, but that is not searched.
     unsearched: &'static str,
+    /// Collections of lenses beside the catalogue: folders and archives.
+    collections: Vec<PathBuf>,
+    /// Glass catalogues, and folders of them, for every lens.
+    glasses: Vec<PathBuf>,
 }
 
 impl SearchPath {
-    /// Returns the search path of the directories in the environment variable `PBRT_SEARCHPATH` (separated by `:`).
+    /// Returns the search path of the environment: the directories in `PBRT_SEARCHPATH`, the collections of lenses in
+    /// `REALISTIC_LENSES`, and the glass catalogues and folders of them in `REALISTIC_GLASS` (each separated by `:`, on
+    /// Windows by `;`).
     pub fn from_environment() -> Self {
-        let list = std::env::var_os("PBRT_SEARCHPATH").unwrap_or_default();
-        std::env::split_paths(&list).fold(Self::default(), |path, directory| path.then(Some(&directory)))
+        let paths = |name: &str| {
+            let list = std::env::var_os(name).unwrap_or_default();
+            let paths = std::env::split_paths(&list).filter(|path| !path.as_os_str().is_empty());
+            paths.collect::<Vec<PathBuf>>()
+        };
+        let directories = paths("PBRT_SEARCHPATH");
+        let path = directories.iter().fold(Self::default(), |path, directory| path.then(Some(directory)));
+        path.with_collections(paths("REALISTIC_LENSES")).with_glasses(paths("REALISTIC_GLASS"))
+    }
+
+    /// Sets the collections in which lenses are found by their names: folders with all that is below them, and archives.
+    #[must_use]
+    pub fn with_collections(self, collections: Vec<PathBuf>) -> Self {
+        Self { collections, ..self }
+    }
+
+    /// Returns the collections in which lenses are found by their names.
+    pub fn collections(&self) -> &[PathBuf] {
+        &self.collections
+    }
+
+    /// Sets the glass catalogues, and the folders of them, that are used for every lens after those beside it.
+    #[must_use]
+    pub fn with_glasses(self, glasses: Vec<PathBuf>) -> Self {
+        Self { glasses, ..self }
     }
 
     /// Adds a directory, which is searched last.
@@ -75,142 +114,59 @@ impl SearchPath {
         searched.join(", ") + self.unsearched
     }
 
-    /// Returns the path of the first file with that name: the file as given, then the file in each directory. `what` is
+    /// Returns the place of the first file with that name: the file as given, then the file in each directory. `what` is
     /// the kind of file, for the message.
     ///
     /// # Errors
     /// No such file exists. The error has the reason for the first match that is not a regular file, if there is such a
     /// match.
-    fn find(&self, what: &'static str, name: &str) -> Result<PathBuf, Option<SourceError>> {
+    fn find(&self, what: &'static str, name: &str) -> Result<Place, Option<SourceError>> {
         let given = Path::new(name);
         let directories = self.directories.iter().filter(|_| given.is_relative());
         let mut no_file = None;
         for path in
             std::iter::once(given.to_owned()).chain(directories.map(|directory| directory.join(given)))
         {
-            match is_file(&path) {
-                Ok(true) => return Ok(path),
-                Ok(false) => {}
+            match Place::at(&path) {
+                Ok(Some(place)) => return Ok(place),
+                Ok(None) => {}
                 Err(why) => no_file = no_file.or(Some(SourceError::NoFile { what, path, why })),
             }
         }
         Err(no_file)
     }
-}
 
-/// Returns whether a regular file exists at the path.
-///
-/// # Errors
-/// The path leads to something else, or cannot be examined. The text gives the reason why the path cannot be read.
-fn is_file(path: &Path) -> Result<bool, String> {
-    match std::fs::metadata(path) {
-        Ok(found) if found.is_file() => Ok(true),
-        Ok(found) if found.is_dir() => Err("is a directory; give a file in it".to_owned()),
-        Ok(_) => Err("is a pipe or a device, which is not waited for; write it to a file (the program reads a lens from \
-                      standard input as \"-\", C callers give its text as lens_text)"
-            .to_owned()),
-        Err(error) => unreachable_file(&error).map_or(Ok(false), Err),
-    }
-}
-
-/// Returns the reason why a file cannot be examined; `None` if it does not exist.
-fn unreachable_file(error: &std::io::Error) -> Option<String> {
-    match error.kind() {
-        ErrorKind::NotFound | ErrorKind::NotADirectory => None,
-        ErrorKind::PermissionDenied => {
-            Some("is in a directory that this user has no permission to look into".to_owned())
+    /// Returns the place of a lens: as [`find`](Self::find) does, or else the only file with this path in a collection.
+    ///
+    /// # Errors
+    /// As for [`find`](Self::find).
+    fn find_lens(&self, name: &str) -> Result<Place, Option<SourceError>> {
+        let mut no_file = match self.find("lens", name) {
+            Ok(place) => return Ok(place),
+            Err(no_file) => no_file,
+        };
+        let mut found = Vec::new();
+        for root in &self.collections {
+            match by_path(root, name) {
+                Ok(place) => found.extend(place),
+                Err(error) => no_file = no_file.or(Some(error)),
+            }
         }
-        #[cfg(unix)]
-        _ if error.raw_os_error() == Some(libc::ELOOP) => Some("is a loop of symbolic links".to_owned()),
-        _ => Some(format!("cannot be looked at: {error}")),
+        // Several files are reported when the collections are listed.
+        found.pop().filter(|_| found.is_empty()).ok_or(no_file)
     }
-}
-
-/// An error in finding or reading a lens.
-#[derive(Debug, Error)]
-pub enum SourceError {
-    /// The file was read, but is not a lens.
-    #[error(transparent)]
-    File(#[from] LensFileError),
-    /// The name is neither a file nor in the catalogue.
-    #[error("no lens file \"{name}\" in {searched}, and no lens of that name in the catalogue; {known}")]
-    NotFound {
-        /// The name as given.
-        name: String,
-        /// The directories that were searched, and the directories that were not.
-        searched: String,
-        /// A question that suggests the most similar name in the catalogue, or a list of all names in the catalogue.
-        known: String,
-    },
-    /// No file has that name.
-    #[error("no {what} \"{name}\" in {searched}")]
-    NoSuchFile {
-        /// The kind of file.
-        what: &'static str,
-        /// The name as given.
-        name: String,
-        /// The directories that were searched, and those that were not.
-        searched: String,
-    },
-    /// Something of that name exists, but is not a file.
-    #[error("{what} \"{}\" {why}", path.display())]
-    NoFile {
-        /// The kind of file.
-        what: &'static str,
-        /// The path that exists.
-        path: PathBuf,
-        /// A description of what exists at the path, for the message.
-        why: String,
-    },
-    /// The file exists, but cannot be read.
-    #[error("{what} \"{}\" cannot be read: {error}", path.display())]
-    Unreadable {
-        /// The kind of file.
-        what: &'static str,
-        /// The file.
-        path: PathBuf,
-        /// The error of the operating system.
-        error: std::io::Error,
-    },
-    /// The name is longer than any file name.
-    #[error(
-        "{what} \"{start}...\": the name has {length} bytes; the name of a {what} or of its file has at most {MAX_NAME_BYTES}, \
-         with its directories {MAX_PATH_BYTES}"
-    )]
-    NameTooLong {
-        /// The kind of name: a lens or a glass catalogue.
-        what: &'static str,
-        /// The beginning of the name.
-        start: String,
-        /// The length of the name in bytes.
-        length: usize,
-    },
-    /// The file was read, but not every statement of it is used as written.
-    #[error("lens \"{name}\" is not used as written, which \"strict\" demands: {listed}")]
-    NotAsWritten {
-        /// The name of the lens.
-        name: String,
-        /// The statements that are replaced or left out, with their places and the reasons.
-        listed: String,
-    },
-    /// The part after `@` is not a focal length.
-    #[error("lens \"{name}\": after @ comes a positive focal length in mm, as in \"dgauss.50mm@35mm\"")]
-    FocalLength {
-        /// The name as given.
-        name: String,
-    },
 }
 
 /// Splits `NAME@35mm` into the name of a table and a focal length. The table is a file or a lens of the catalogue; its
 /// lens is to be scaled to the focal length, mm, which is positive and finite. A name is not split if it has no `@`, or
-/// if it names a file as given or along `search`.
+/// if it names a file as given, along `search` or in a collection.
 ///
 /// # Errors
 /// The part after the `@` is not `<positive number>mm`, or the name is too long: it has more than [`MAX_NAME_BYTES`]
 /// bytes without its directories, or more than [`MAX_PATH_BYTES`] with them.
 pub fn split_scale<'a>(name: &'a str, search: &SearchPath) -> Result<(&'a str, Option<f64>), SourceError> {
     check_length("lens", name)?;
-    let Some((table, scale)) = name.rsplit_once('@').filter(|_| search.find("lens", name).is_err()) else {
+    let Some((table, scale)) = name.rsplit_once('@').filter(|_| search.find_lens(name).is_err()) else {
         return Ok((name, None));
     };
     let number = scale.strip_suffix("mm").and_then(|number| number.trim().parse().ok());
@@ -220,58 +176,58 @@ pub fn split_scale<'a>(name: &'a str, search: &SearchPath) -> Result<(&'a str, O
     }
 }
 
-/// Finds and reads a table: a file as given, then a file along `search`, then a lens of the catalogue. Named glasses
-/// are looked up in `library` and in the catalogues beside the file.
+/// Finds and reads a table: a file as given, a file along `search`, a file with this path in a collection, a lens of the
+/// catalogue, and a lens of the collections whose path ends with the name. Named glasses are looked up in `library` and
+/// in the catalogues beside the file.
 ///
 /// # Errors
-/// No such lens exists, the path leads to something other than a file, the file is unreadable, or the file is not a
-/// lens.
+/// No such lens exists, several lenses of the collections have the name, the path leads to something other than a file,
+/// the file is unreadable, or the file is not a lens.
 pub fn load(table: &str, search: &SearchPath, library: GlassLibrary) -> Result<Prescription, SourceError> {
-    let no_file = match search.find("lens", table) {
-        Ok(path) => {
-            let mut lens = read_file(&path, library)?;
+    let read = |place: &Place| place.lens(&library.beside(place.file()));
+    let no_file = match search.find_lens(table) {
+        Ok(place) => {
+            let mut lens = read(&place)?;
             if catalogue::names().any(|name| name == table) {
                 lens.remarks.push(format!(
-                    "lens \"{table}\" is the file {}, not the built-in lens of that name; rename the file to have that",
-                    path.display()
+                    "lens \"{table}\" is the file {place}, not the built-in lens of that name; rename the file to have that"
                 ));
             }
             return Ok(lens);
         }
         Err(no_file) => no_file,
     };
-    catalogue::find(table).ok_or_else(|| {
-        no_file.unwrap_or_else(|| SourceError::NotFound {
-            name: table.to_owned(),
-            searched: search.in_words(),
-            known: nearest_or_all(catalogue_name(table), &catalogue::names().collect::<Vec<_>>()),
-        })
-    })
+    if let Some(lens) = catalogue::find(table) {
+        return Ok(lens);
+    }
+    let candidates = Candidates::of(&search.collections);
+    if let Some(place) = candidates.named(table)? {
+        return read(&place);
+    }
+    Err(no_file.unwrap_or_else(|| SourceError::NotFound {
+        name: table.to_owned(),
+        searched: search.in_words(),
+        collections: candidates.searched().to_owned(),
+        known: candidates.near(table),
+    }))
 }
 
-/// Returns the part of a file name that may be a name in the catalogue: the part without directories and without
-/// `.dat`.
-fn catalogue_name(table: &str) -> &str {
-    let name = table.rsplit(['/', '\\']).next().unwrap_or(table);
-    name.strip_suffix(".dat").unwrap_or(name)
-}
-
-/// Reads a glass catalogue for `load`, from a file as given or along `search`. Without a name, only the built-in
-/// glasses are available.
+/// Returns the glasses for `load`: those of a glass catalogue, which is a file as given or along `search`, those of the
+/// search path's own catalogues, and the built-in ones.
 ///
 /// # Errors
 /// No such file exists, the file is unreadable or is not a catalogue, or the name is too long.
 pub fn glass_library(name: Option<&str>, search: &SearchPath) -> Result<GlassLibrary, SourceError> {
-    let mut library = GlassLibrary::default();
+    let mut library = GlassLibrary::default().with_places(&search.glasses);
     if let Some(name) = name {
         let (path, bytes) = find_file("glass catalogue", name, search, MAX_CATALOG_BYTES)?;
-        library.add(&path.display().to_string(), &bytes)?;
+        library.add(&path, &bytes)?;
     }
     Ok(library)
 }
 
-/// Finds and reads a file as given or along `search`; `what` is its kind, for messages. Returns its path and at most
-/// one byte more than `most`.
+/// Finds and reads a file as given or along `search`; `what` is its kind, for messages. Returns its path as text and at
+/// most one byte more than `most`.
 ///
 /// # Errors
 /// No such file exists, the file is unreadable, or the name is too long.
@@ -280,12 +236,11 @@ pub fn find_file(
     name: &str,
     search: &SearchPath,
     most: u64,
-) -> Result<(PathBuf, Vec<u8>), SourceError> {
+) -> Result<(String, Vec<u8>), SourceError> {
     check_length(what, name)?;
     let none = || SourceError::NoSuchFile { what, name: cut(name), searched: search.in_words() };
-    let path = search.find(what, name).map_err(|no_file| no_file.unwrap_or_else(none))?;
-    let bytes = bytes_of(what, &path, most)?;
-    Ok((path, bytes))
+    let place = search.find(what, name).map_err(|no_file| no_file.unwrap_or_else(none))?;
+    Ok((place.to_string(), place.bytes(what, most)?))
 }
 
 /// Checks that a name is no longer than the name of a file can be.
@@ -297,34 +252,11 @@ fn check_length(what: &'static str, name: &str) -> Result<(), SourceError> {
     Err(SourceError::NameTooLong { what, start: name.chars().take(32).collect(), length: name.len() })
 }
 
-fn read_file(path: &Path, library: GlassLibrary) -> Result<Prescription, SourceError> {
-    let mut bytes = bytes_of("lens file", path, MAX_FILE_BYTES)?;
-    if bytes.len() as u64 > MAX_FILE_BYTES && is_archive(&bytes) {
-        bytes = bytes_of("lens file", path, MAX_ARCHIVE_BYTES)?;
-    }
-    Ok(read_with(&path.display().to_string(), &bytes, &library.beside(path))?)
-}
-
-fn bytes_of(what: &'static str, path: &Path, most: u64) -> Result<Vec<u8>, SourceError> {
-    // The path may have been replaced by something else since the first check.
-    if let Err(why) = is_file(path) {
-        return Err(SourceError::NoFile { what, path: path.to_owned(), why });
-    }
-    let unreadable = |error| SourceError::Unreadable { what, path: path.to_owned(), error };
-    std::fs::File::open(path).and_then(|file| bounded(file, most)).map_err(unreadable)
-}
-
-/// Reads at most one byte more than the limit, so that the reader can see whether the file is too large. The size that
-/// the system states beforehand can change in the meantime, and is 0 for files of `/proc`.
-pub(super) fn bounded(source: impl Read, most: u64) -> std::io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    source.take(most + 1).read_to_end(&mut bytes)?;
-    Ok(bytes)
-}
-
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use super::{place::unreachable_file, *};
+    use crate::prescription::{MAX_FILE_BYTES, reader::read_with};
+    use std::io::ErrorKind;
 
     #[test]
     fn a_file_is_read_up_to_the_limit_whatever_its_stated_size() {
@@ -339,13 +271,11 @@ mod tests {
         let mut text = b"20 5 1.5 10\n-20 0 1 10\n#".to_vec();
         text.resize(MAX_FILE_BYTES as usize, b' ');
         std::fs::write(&path, &text).expect("written");
-        assert_eq!(
-            read_file(&path, GlassLibrary::default()).expect("as large as may be").interfaces.len(),
-            2
-        );
+        let read = || Place::File(path.clone()).lens(&GlassLibrary::default());
+        assert_eq!(read().expect("as large as may be").interfaces.len(), 2);
         text.push(b' ');
         std::fs::write(&path, &text).expect("written");
-        let message = read_file(&path, GlassLibrary::default()).expect_err("a byte too large").to_string();
+        let message = read().expect_err("a byte too large").to_string();
         let at = format!("lens.dat:3:{}: ", MAX_FILE_BYTES - 22);
         assert!(message.contains(&at) && message.contains("1048576 bytes"), "{message}");
         assert!(!message.contains("cannot be read"), "{message}");
