@@ -19,7 +19,8 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use commands::pictures::{focus_stack, merge, render};
 use commands::{
-    blender, convert, disks, draw, flare, focus, install, lens, plan, pupil, refractions, report, trace,
+    blender, convert, disks, draw, flare, focus, install, lens, lenses, plan, pupil, refractions, report,
+    trace,
 };
 use failure::Failure;
 use realistic_optics::prescription::catalogue;
@@ -53,6 +54,8 @@ enum Command {
     Merge(merge::Args),
     /// Report a lens: focal length, focal points, pupils, field of view, its table
     Lens(lens::Args),
+    /// List the lenses of folders, archives and files of any format
+    Lenses(lenses::Args),
     /// Write a lens, read from a file of any format, as the project's own table
     Convert(convert::Args),
     /// Write a lens as a camera for Blender: a shader in OSL
@@ -153,6 +156,7 @@ fn main() -> ExitCode {
         Some(Command::Render(args)) => render::run(&args.camera, &args.picture),
         Some(Command::Merge(args)) => merge::run(args),
         Some(Command::Lens(args)) => lens::run(args),
+        Some(Command::Lenses(args)) => lenses::run(args),
         Some(Command::Convert(args)) => convert::run(args),
         Some(Command::Blender(args)) => blender::run(args),
         Some(Command::Export(args)) => commands::export::run(args),

@@ -10,6 +10,7 @@ pub mod flare;
 pub mod focus;
 pub mod install;
 pub mod lens;
+pub mod lenses;
 pub mod pictures;
 pub mod plan;
 pub mod pupil;

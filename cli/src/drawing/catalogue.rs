@@ -37,6 +37,13 @@ pub fn draw(entries: &[Entry]) -> Page {
     page
 }
 
+/// Draws one lens, in a cell of its own.
+pub fn draw_one(entry: &Entry) -> Page {
+    let mut page = Page::new(CELL[0], CELL[1]);
+    cell(&mut page, [0.0; 2], entry);
+    page
+}
+
 fn cell(page: &mut Page, [left, top]: [f64; 2], entry: &Entry) {
     let lens = &entry.lens;
     let film = lens.rear().vertex - entry.film_distance;

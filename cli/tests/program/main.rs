@@ -3,6 +3,7 @@
 mod export;
 mod files;
 mod gallery;
+mod lenses;
 mod osl;
 mod pages;
 mod pictures;

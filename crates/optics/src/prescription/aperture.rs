@@ -62,6 +62,12 @@ impl Aperture {
         }
     }
 
+    /// Returns whether the aperture is a circle around the axis.
+    pub fn is_symmetric(&self) -> bool {
+        let is_round = matches!(self.outline, Outline::Ellipse([x, y]) if x == y);
+        is_round && self.center == [0.0; 2]
+    }
+
     /// Returns the distance from the axis to the farthest point inside the outline, in the unit of the outline; that of
     /// blades and of a picture is the clear semi-diameter. A clear semi-diameter of this distance clips nothing of the
     /// outline.

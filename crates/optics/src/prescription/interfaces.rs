@@ -275,6 +275,11 @@ impl Prescription {
         std::iter::once((self.object_medium, self.object_glass)).chain(behind)
     }
 
+    /// Returns whether the lens is symmetric about its axis.
+    pub fn is_symmetric(&self) -> bool {
+        self.interfaces.iter().all(|interface| interface.apertures.iter().all(Aperture::is_symmetric))
+    }
+
     /// Returns the lens with other gaps, mm, behind the rows `rows`. The gap of the last row, before the film, is not
     /// part of the lens and stays unchanged.
     pub fn with_gaps(&self, rows: &[usize], gaps: &[f64]) -> Self {

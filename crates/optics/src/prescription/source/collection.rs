@@ -79,8 +79,12 @@ impl CollectionFile {
         self.place.file().parent().unwrap_or(Path::new("."))
     }
 
-    /// Reads the lens. Its glasses are looked up in `library` alone, to which the caller adds those of
-    /// [`folder`](Self::folder): they are the same for many files.
+    /// Returns the library with the glass catalogues in [`folder`](Self::folder), for all files there.
+    pub fn glasses(&self, library: &GlassLibrary) -> GlassLibrary {
+        library.beside(self.place.file())
+    }
+
+    /// Reads the lens. Its glasses are looked up in `library`, which [`glasses`](Self::glasses) makes.
     ///
     /// # Errors
     /// The file cannot be read, or is not a lens.

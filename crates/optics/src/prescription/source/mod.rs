@@ -70,6 +70,11 @@ impl SearchPath {
         &self.collections
     }
 
+    /// Returns the glass catalogues, and the folders of them, that are used for every lens.
+    pub fn glasses(&self) -> &[PathBuf] {
+        &self.glasses
+    }
+
     /// Sets the glass catalogues, and the folders of them, that are used for every lens after those beside it.
     #[must_use]
     pub fn with_glasses(self, glasses: Vec<PathBuf>) -> Self {
