@@ -78,7 +78,7 @@ impl CameraBuilder {
     }
 
     /// Sets the directories that are searched for lens files after the working directory. The default is the
-    /// directories of `PBRT_SEARCHPATH`.
+    /// directories of `PBRT_SEARCHPATH` and the collections of `REALISTIC_LENSES`.
     #[must_use]
     pub fn search_path(mut self, search: SearchPath) -> Self {
         self.host.search = search;

@@ -31,7 +31,7 @@ pub struct Host {
 
 impl Host {
     /// Returns a host whose camera space is its world space and whose lens files are searched for along
-    /// `PBRT_SEARCHPATH` and in the directory `beside`.
+    /// `PBRT_SEARCHPATH`, in the directory `beside` and in the collections of `REALISTIC_LENSES`.
     pub fn new(raster: Raster, beside: Option<PathBuf>) -> Self {
         Self {
             raster,

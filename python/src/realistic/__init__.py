@@ -11,6 +11,7 @@
 from . import farm, measure
 from ._abi import version
 from ._ghosts import Ghost
+from ._lenses import LensRow, lenses
 from ._parameters import Parameters
 from .camera import Camera
 from .errors import (
@@ -42,6 +43,7 @@ __all__ = [
     "Lens",
     "LensFileError",
     "LensRays",
+    "LensRow",
     "OutOfMemoryError",
     "ParameterError",
     "Parameters",
@@ -52,6 +54,7 @@ __all__ = [
     "Table",
     "catalogue",
     "farm",
+    "lenses",
     "measure",
     "study",
 ]

@@ -42,7 +42,7 @@ pub struct Args {
     #[arg(long)]
     csv: bool,
     /// Write a page of cross-sections, .html; - for standard output
-    #[arg(long, value_name = "FILE", value_parser = sheet::path)]
+    #[arg(long, value_name = "FILE", value_parser = sheet::path, conflicts_with_all = ["json", "csv"])]
     sheet: Option<PathBuf>,
     /// Read every file again, and keep nothing in the cache
     #[arg(long)]

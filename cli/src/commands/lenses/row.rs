@@ -151,10 +151,18 @@ fn rounded(number: f64) -> Option<f64> {
     format!("{number:.8e}").parse().ok().filter(|number: &f64| number.is_finite())
 }
 
-/// Returns the maker whose name is a word of a text.
+/// Returns the maker whose name is a word of a text, or the beginning of a joined word such as `EdmundOptics`.
 fn maker(text: &str) -> Option<&'static str> {
+    let begins_word = |rest: &str| {
+        let mut letters = rest.chars();
+        letters.next().is_none_or(char::is_uppercase) && letters.next().is_none_or(char::is_lowercase)
+    };
+    let is_by = |word: &str, maker: &str| {
+        word.split_at_checked(maker.len())
+            .is_some_and(|(own, rest)| own.eq_ignore_ascii_case(maker) && begins_word(rest))
+    };
     let words = || text.split(|letter: char| !letter.is_alphabetic());
-    MAKERS.into_iter().find(|maker| words().any(|word| word.eq_ignore_ascii_case(maker)))
+    MAKERS.into_iter().find(|maker| words().any(|word| is_by(word, maker)))
 }
 
 #[cfg(test)]
@@ -181,6 +189,11 @@ mod tests {
         assert_eq!(row("a.dat", "50 2 1.5 10\n-50 0 1 10\n").text("maker"), Some("Thorlabs"));
         let afocal = row("b.dat", "0 2 1.5 10\n0 0 1 10\n");
         assert_eq!((afocal.focal_range(), afocal.number("fnumber")), (None, None));
+        for (text, known) in
+            [("/EdmundOptics/a", Some("Edmund")), ("ThorLabs", Some("Thorlabs")), ("ROSSINI, Sonya", None)]
+        {
+            assert_eq!(maker(text), known, "{text}");
+        }
         let error = Row::of_error("c.dat", "/c.dat", "why");
         assert_eq!((error.json().len(), error.text("error")), (COLUMNS.len(), Some("why")));
     }

@@ -11,7 +11,7 @@ use std::path::Path;
 const MOST_BYTES: u64 = 1 << 30;
 
 /// Number of files that a thread reads one after the other, with one index of the glass catalogues beside them.
-const AT_ONCE: usize = 128;
+pub const AT_ONCE: usize = 128;
 
 /// The rows of a list, and what they come from.
 #[derive(Debug, Default)]
@@ -75,18 +75,31 @@ impl Listing {
 
 /// Returns what files that follow each other are.
 fn read(files: &[CollectionFile], search: &SearchPath, cache: &Cache) -> Vec<Outcome> {
-    let mut beside: Option<(&Path, GlassLibrary)> = None;
+    let mut glasses = Glasses::new(search);
     let mut outcomes = Vec::with_capacity(files.len());
     for file in files {
         let known = cache.outcome(file);
-        outcomes.push(known.unwrap_or_else(|| {
-            let library = beside.take().filter(|(folder, _)| *folder == file.folder());
-            let (_, library) = beside.insert(library.unwrap_or_else(|| {
-                let everywhere = GlassLibrary::default().with_places(search.glasses());
-                (file.folder(), file.glasses(&everywhere))
-            }));
-            Outcome::of(file, library)
-        }));
+        outcomes.push(known.unwrap_or_else(|| Outcome::of(file, glasses.of(file))));
     }
     outcomes
+}
+
+/// The glasses of files that follow each other, which are indexed once for each folder.
+pub struct Glasses<'f> {
+    everywhere: GlassLibrary,
+    beside: Option<(&'f Path, GlassLibrary)>,
+}
+
+impl<'f> Glasses<'f> {
+    /// Returns the glasses of a search path, before the first file.
+    pub fn new(search: &SearchPath) -> Self {
+        Self { everywhere: GlassLibrary::default().with_places(search.glasses()), beside: None }
+    }
+
+    /// Returns the glasses of a file.
+    pub fn of(&mut self, file: &'f CollectionFile) -> &GlassLibrary {
+        let same = self.beside.take().filter(|(folder, _)| *folder == file.folder());
+        let beside = same.unwrap_or_else(|| (file.folder(), file.glasses(&self.everywhere)));
+        &self.beside.insert(beside).1
+    }
 }

@@ -1,6 +1,7 @@
 //! The cross-sections of the listed lenses on one page of HTML, which needs no other files.
 
 use super::row::Row;
+use super::scan::{AT_ONCE, Glasses};
 use super::table::focal_lengths;
 use crate::console;
 use crate::drawing::catalogue::{Entry, draw_one};
@@ -8,7 +9,7 @@ use crate::failure::Failure;
 use crate::files;
 use rayon::prelude::*;
 use realistic_optics::lens::{Lens, first_order::FirstOrder};
-use realistic_optics::prescription::{CollectionFile, GlassLibrary, Prescription, SearchPath, catalogue};
+use realistic_optics::prescription::{CollectionFile, SearchPath, catalogue};
 use std::path::{Path, PathBuf};
 
 /// Maximum number of lenses on a page; a drawing takes some 50 kB.
@@ -43,8 +44,11 @@ pub fn write(rows: &[(Row, Option<CollectionFile>)], out: &Path) -> Result<(), F
     }
     let shown = &lenses[..lenses.len().min(MOST)];
     let search = SearchPath::from_environment();
-    let figures: Vec<String> =
-        shown.par_iter().filter_map(|(row, file)| figure(row, file.as_ref(), &search)).collect();
+    let draw = |rows: &[&(Row, Option<CollectionFile>)]| {
+        let mut glasses = Glasses::new(&search);
+        rows.iter().filter_map(|(row, file)| figure(row, file.as_ref(), &mut glasses)).collect::<Vec<_>>()
+    };
+    let figures: Vec<String> = shown.par_chunks(AT_ONCE).flat_map_iter(draw).collect();
     let page = format!(
         "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<title>{} lenses</title>\n\
          <style>{STYLE}</style>\n<main>\n{}</main>\n</html>\n",
@@ -55,12 +59,9 @@ pub fn write(rows: &[(Row, Option<CollectionFile>)], out: &Path) -> Result<(), F
 }
 
 /// Draws a lens; `None` if its file has changed and is no lens any more.
-fn figure(row: &Row, file: Option<&CollectionFile>, search: &SearchPath) -> Option<String> {
-    let prescription: Prescription = match file {
-        Some(file) => {
-            let everywhere = GlassLibrary::default().with_places(search.glasses());
-            file.lens(&file.glasses(&everywhere)).ok()?
-        }
+fn figure<'f>(row: &Row, file: Option<&'f CollectionFile>, glasses: &mut Glasses<'f>) -> Option<String> {
+    let prescription = match file {
+        Some(file) => file.lens(glasses.of(file)).ok()?,
         None => catalogue::find(row.text("lens_file")?)?,
     };
     let lens = Lens::at_own_wavelength(&prescription);
