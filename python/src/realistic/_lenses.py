@@ -49,7 +49,7 @@ class LensRow(TypedDict):
 
 
 def lenses(path: str | os.PathLike[str] | None = None) -> list[LensRow]:
-    """Returns what the lenses of a folder, a zip archive or a file are, in rows that `pandas.DataFrame` takes.
+    """Lists the lenses of a folder, a zip archive or a file, as rows that `pandas.DataFrame` takes.
 
     Without a path, the collections that the variable REALISTIC_LENSES names are listed, or else the catalogue. Lengths
     are in mm. Files that cannot be read have a row with an `error`; files that are no lenses have none.

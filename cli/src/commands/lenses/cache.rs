@@ -1,5 +1,5 @@
-//! What earlier runs found out about the files of a collection: one file for each collection in the user's cache
-//! folder. An entry counts as long as the file has the same size and time of change. All entries count as long as the
+//! The cache of earlier runs' findings about the files of a collection: one file for each collection, in the user's
+//! cache folder. An entry counts as long as the file has the same size and time of change. All entries count as long as the
 //! program and the glass catalogues are the same. A cache that cannot be read or written is no error.
 
 use super::outcome::Outcome;
@@ -15,7 +15,7 @@ const MOST_BYTES: u64 = 64 << 20;
 
 /// The cache of one collection.
 pub struct Cache {
-    /// The file of the cache; `None` if there is none.
+    /// The file of the cache, if the cache is kept.
     path: Option<PathBuf>,
     /// Everything besides a file on which its row depends.
     state: Value,

@@ -29,7 +29,7 @@ impl NumberRange {
     }
 }
 
-/// What a lens must have to be listed.
+/// The conditions for a lens to be listed.
 #[derive(Clone, Debug, Default)]
 pub struct Filter {
     /// A focal length, mm; one of a zoom lens's.

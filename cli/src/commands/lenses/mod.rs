@@ -1,4 +1,4 @@
-//! `realistic lenses`: what the lenses of folders, archives and files of any format are.
+//! `realistic lenses`: the lenses of folders, archives and files of any format, with their numbers.
 
 mod cache;
 mod filter;

@@ -1,10 +1,10 @@
-//! What is found out about a file of a collection by reading it.
+//! The outcome of reading a file of a collection.
 
 use super::row::facts;
 use realistic_optics::prescription::{CollectionFile, GlassLibrary, MAX_ARCHIVE_BYTES, MAX_FILE_BYTES};
 use serde_json::{Map, Value};
 
-/// What a file is.
+/// The kind of a file, with the facts of a lens.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
     /// A lens, with the facts of its row.

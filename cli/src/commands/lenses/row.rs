@@ -1,4 +1,4 @@
-//! A row of the list: what a file's lens is, or the reason why it cannot be read.
+//! A row of the list: the facts of a file's lens, or the reason why the file cannot be read.
 
 use realistic_optics::imaging::moving::MovingGroups;
 use realistic_optics::imaging::open::{StopSize, set_up};
@@ -67,7 +67,7 @@ const MAKERS: [&str; 33] = [
 pub struct Row(Map<String, Value>);
 
 impl Row {
-    /// Makes the row of a lens from what was found out about it.
+    /// Makes the row of a lens from its facts.
     pub fn of_lens(name: &str, lens_file: &str, facts: &Map<String, Value>) -> Self {
         let mut row = Self::empty(name, lens_file);
         row.0.extend(facts.clone());
@@ -116,7 +116,7 @@ impl Row {
     }
 }
 
-/// Returns what a lens is: its title, its numbers as computed at its own wavelength, and what its file states.
+/// Returns the facts of a lens: its title, its numbers as computed at its own wavelength, and the statements of its file.
 ///
 /// # Errors
 /// The lens cannot be set up.

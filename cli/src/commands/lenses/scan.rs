@@ -13,7 +13,7 @@ const MOST_BYTES: u64 = 1 << 30;
 /// Number of files that a thread reads one after the other, with one index of the glass catalogues beside them.
 pub const AT_ONCE: usize = 128;
 
-/// The rows of a list, and what they come from.
+/// The rows of a list, and the files of the rows.
 #[derive(Debug, Default)]
 pub struct Listing {
     /// The rows, each with its file; a lens of the catalogue and a part that cannot be looked at have none.
@@ -73,7 +73,7 @@ impl Listing {
     }
 }
 
-/// Returns what files that follow each other are.
+/// Reads files that follow each other.
 fn read(files: &[CollectionFile], search: &SearchPath, cache: &Cache) -> Vec<Outcome> {
     let mut glasses = Glasses::new(search);
     let mut outcomes = Vec::with_capacity(files.len());

@@ -119,8 +119,8 @@ impl GlassLibrary {
 
     /// Returns all glasses of that name, as [`find`](Self::find) interprets it. The order of preference is: the user's
     /// catalogue, the catalogues in `first` (`loose` names, in order), the catalogues in the lens's archive, those beside
-    /// the lens file, those of the other places, the built-in glasses. The iterator reads an entry only when it reaches the entry, so that
-    /// [`warnings`](Self::warnings) reports nothing about later entries.
+    /// the lens file, those of the other places, the built-in glasses. The iterator reads an entry only when it reaches
+    /// the entry, so that [`warnings`](Self::warnings) reports nothing about later entries.
     pub fn candidates<'a>(&'a self, name: &str, first: &[String]) -> impl Iterator<Item = Found> + use<'a> {
         let Name { only, group, own } = Name::of(name);
         let first: Vec<&str> = group.iter().chain(first).map(String::as_str).collect();

@@ -13,7 +13,8 @@ use super::{
 use crate::prescription::catalogue;
 use realistic_base::message::{cut, nearest, nearest_or_all, some_of};
 
-/// Returns the file with this path in the collection `root`; `None` if there is none, or the path leads upward.
+/// Returns the file with this path in the collection `root`; `None` if no such file exists, or the path
+/// leads upward.
 ///
 /// # Errors
 /// The path leads to something other than a file, or out of the collection.
@@ -76,6 +77,9 @@ impl Candidates {
         if found.iter().any(|file| file.is_named_as_lens()) {
             found.retain(|file| file.is_named_as_lens());
         }
+        // Collections may lie in each other.
+        found.sort_by_cached_key(|file| file.path());
+        found.dedup_by_key(|file| file.path());
         match &found[..] {
             [] => Ok(None),
             [one] => Ok(Some((*one).clone().into_place())),
@@ -196,6 +200,14 @@ mod tests {
             assert!(message.ends_with("; give more of its path"), "{message}");
         }
         assert_eq!(found(&search, "a/x").as_deref(), Ok("x.dat"));
+        let twice = SearchPath::default().with_collections(vec![
+            one.path().join("a"),
+            one.path().to_owned(),
+            one.path().to_owned(),
+        ]);
+        for name in ["x.dat", "a/x.dat", "a/x"] {
+            assert_eq!(found(&twice, name).as_deref(), Ok("x.dat"), "{name}");
+        }
     }
 
     #[test]
