@@ -10,6 +10,6 @@ use realistic_trace::kernel::{Grouping, InVectors, KernelScalar, one_by_one};
 
 /// Does work one element at a time.
 #[cfg(test)]
-pub fn in_vectors<S: KernelScalar, W: InVectors<S>>(simd: Available, _: Grouping, work: &mut W) {
-    one_by_one(simd, work);
+pub fn in_vectors<S: KernelScalar, W: InVectors<S>>(_: Available, _: Grouping, work: &mut W) {
+    one_by_one(work);
 }

@@ -226,22 +226,10 @@ pub fn in_vectors<S: KernelScalar, W: InVectors<S>>(simd: Available, grouping: G
     }
 }
 
-/// Does work one element at a time, with the bits of [`in_vectors`]. For unit tests: compiling every instance takes as
-/// long as compiling the library.
-pub fn one_by_one<S: KernelScalar, W: InVectors<S>>(simd: Available, work: &mut W) {
-    #[cfg(target_arch = "x86_64")]
-    if simd.simd() != Simd::Portable {
-        // SAFETY: a processor with vectors has AVX2.
-        return unsafe { fma_each(work) };
-    }
-    let _ = simd;
+/// Does work one element at a time, with the bits of [`in_vectors`] and in the instance that compiles fastest. For unit
+/// tests: the others take minutes to compile.
+pub fn one_by_one<S: KernelScalar, W: InVectors<S>>(work: &mut W) {
     portable_vectors::<1, _, _>(work);
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma")]
-fn fma_each<S: KernelScalar, W: InVectors<S>>(work: &mut W) {
-    each::<Portable<S, 1>, 1, _>(Portable::cpu(), work);
 }
 
 /// Does work in portable vectors. Not inlined, so that all calls of one width share this function. On x86-64, where
