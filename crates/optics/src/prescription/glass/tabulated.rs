@@ -44,8 +44,11 @@ pub fn tabulated(points: &[[f64; 2]]) -> Result<(Glass, f64), String> {
             let (first, last) = (VALID_WAVELENGTHS.start(), VALID_WAVELENGTHS.end());
             Err(format!("no index between {first} and {last} nm, where lenses are traced"))
         }
-        [[_, index]] => Ok((Glass::new(Medium::Glass { n_d: index, abbe: None }, None), 0.0)),
-        [first, .., last] => {
+        [[_, index], ..] if points.iter().all(|point| point[1] == index) => {
+            Ok((Glass::new(Medium::Glass { n_d: index, abbe: None }, None), 0.0))
+        }
+        _ => {
+            let ends = [points[0][0], points[points.len() - 1][0]];
             let medium = Medium::Formula(Formula::Polynomial(fitted(&points)));
             let apart =
                 |[wavelength, index]: &[f64; 2]| (refractive_index(medium, *wavelength) - index).abs();
@@ -56,7 +59,7 @@ pub fn tabulated(points: &[[f64; 2]]) -> Result<(Glass, f64), String> {
                     short(apart)
                 ));
             }
-            let range = usable_range(medium, Some([first[0], last[0]]))?;
+            let range = usable_range(medium, Some(ends))?;
             Ok((Glass::new(medium, range), apart))
         }
     }
