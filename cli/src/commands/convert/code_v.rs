@@ -108,11 +108,15 @@ struct PrivateGlasses {
 }
 
 impl PrivateGlasses {
-    /// Returns the word for a medium, behind a space; empty for air. A glass without a catalogue is defined in the file.
+    /// Returns the word for a medium, behind a space; empty for air. A glass of n_d and V is their decimals; one without
+    /// a catalogue is defined in the file.
     fn word(&mut self, material: &Material) -> String {
         match material {
             Material::Air => String::new(),
             Material::Named { name, catalogue, .. } => format!(" {}_{catalogue}", loose(name)),
+            Material::Numbers { n_d, abbe: Some(abbe), .. } if let Some(code) = code(*n_d, *abbe) => {
+                format!(" {code}")
+            }
             Material::Numbers { .. } | Material::Formula { .. } => {
                 let known = self.all.iter().find(|(_, known)| known == material);
                 let name = known.map(|(name, _)| name.clone()).unwrap_or_else(|| {
@@ -162,6 +166,17 @@ impl PrivateGlasses {
         }
         text + "END\n"
     }
+}
+
+/// Returns n_d and V as six decimals each, 516800.641700 for 1.5168 and 64.17; `None` if they have more. Decimals of n_d
+/// below .3 would mean an index from 2 on.
+fn code(n_d: f64, abbe: f64) -> Option<String> {
+    let (n, v) = (format!("{:06.0}", (n_d - 1.0) * 1e6), format!("{:06.0}", abbe * 1e4));
+    let is_exact = (1.3..2.0).contains(&n_d)
+        && v.len() == 6
+        && format!("1.{n}").parse() == Ok(n_d)
+        && format!("{}.{}", &v[..2], &v[2..]).parse() == Ok(abbe);
+    is_exact.then(|| format!("{n}.{v}"))
 }
 
 /// Returns A0 to A5 of n² = A0 + A1 λ² + A2 λ^-2 + A3 λ^-4 + A4 λ^-6 + A5 λ^-8, if the medium has this formula.

@@ -1,11 +1,12 @@
 use super::*;
 use realistic_optics::imaging::moving::MovingGroups;
 use realistic_optics::lens::{Lens, Ray};
-use realistic_optics::prescription::{Fate, Medium, catalogue};
+use realistic_optics::prescription::{Fate, Medium, catalogue, glass::refractive_index};
 use realistic_optics::trace::Path as RayPath;
 
-/// The formats that are read back, each with the largest difference of a ray, mm.
-const READ_BACK: [(Format, f64); 3] = [(Format::Dat, 0.0), (Format::Zmx, 1e-11), (Format::Json, 1e-11)];
+/// The formats that are read back, each with the largest difference of a ray, mm. Indices of a private glass are fitted.
+const READ_BACK: [(Format, f64); 4] =
+    [(Format::Dat, 0.0), (Format::Zmx, 1e-11), (Format::Json, 1e-11), (Format::Seq, 1e-9)];
 
 fn back(format: Format, lens: &Prescription) -> (Prescription, Written) {
     let written = format.write(lens).unwrap_or_else(|why| panic!("{why}"));
@@ -50,11 +51,10 @@ fn every_lens_of_the_catalogue_reads_back_with_the_same_rays() {
             same_rays(&lens, &back, most, &written.text);
             assert_eq!(back.interfaces.len(), lens.interfaces.len());
             for (one, two) in lens.interfaces.iter().zip(&back.interfaces) {
-                assert_eq!(
-                    (one.semi_diameter, one.medium),
-                    (two.semi_diameter, two.medium),
-                    "{name} {format:?}"
-                );
+                let size = one.semi_diameter;
+                assert!((two.semi_diameter / size - 1.0).abs() <= most * 1e-3, "{name} {format:?}");
+                let [n, own] = [one, two].map(|interface| refractive_index(interface.medium, 587.56));
+                assert!((n - own).abs() <= most * 1e-3, "{name} {format:?}: {n} {own}");
             }
             assert!(format.is_written_by_us(written.text.as_bytes()), "{name} {format:?}\n{}", written.text);
             let unused = back.findings.iter().filter(|own| own.may_differ || own.fate == Fate::LeftOut);
@@ -140,6 +140,10 @@ fn random_lenses_read_back_with_the_same_rays() {
         // A formula that no catalogue has is replaced, and noted.
         let is_exact = !table.contains(" own -");
         for (format, most) in READ_BACK {
+            if format == Format::Seq && format.write(&lens).is_err() {
+                // It has no words for some aspheres.
+                continue;
+            }
             let (back, written) = back(format, &lens);
             assert!(
                 is_exact || format == Format::Dat || written.notes.iter().any(|note| note.contains("own is"))
@@ -202,9 +206,8 @@ fn code_v_has_its_own_words() {
     assert_eq!(rest[0], wavelengths);
     assert_eq!(rest[1], format!("'GLASS1' {}", ["1.33"; 9].join(" ")));
     assert_eq!(rest[2], "'GLASS2' LAU 2.3 -0.01 0.01 0 0 0");
-    assert!(rest[3].starts_with("'GLASS3' 1.51"), "{rest:?}");
     assert_eq!(
-        rest[4..],
+        rest[3..],
         [
             "END",
             "SO 0 1e20 'GLASS1'",
@@ -218,7 +221,7 @@ fn code_v_has_its_own_words() {
             "S 0 2 'GLASS2'",
             "  CIR 4",
             "  CIR OBS 0.5",
-            "S -30 37.5 'GLASS3'",
+            "S -30 37.5 500000.600000",
             "  ASP",
             "  K -1",
             "  A 1e-5",
