@@ -56,7 +56,26 @@ def test_an_example_without_arguments_prints_its_usage(checkout, tmp_path, name)
 
 
 def test_every_example_is_tested(checkout):
-    assert [file.stem for file in examples(checkout)] == ["export_grid", "intrinsics", "lens_sheet", "picture"]
+    tested = ["agreement", "export_grid", "intrinsics", "lens_sheet", "picture"]
+    assert [file.stem for file in examples(checkout)] == tested
+
+
+def test_agreement_compares_a_folder(checkout, tmp_path):
+    """Without Optiland and RayOptics the table has this library's focal lengths and what it cannot read."""
+    lenses = tmp_path / "lenses"
+    lenses.mkdir()
+    (lenses / "biconvex.dat").write_text("50 6 1.5 20\n-50 40 1 20\n")
+    (lenses / "notes.json").write_text("{}")
+    file = checkout / "python/examples/agreement.py"
+    command = [sys.executable, str(file), "lenses"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert f"realistic {realistic.__version__}" in done.stdout
+    row = next(line for line in done.stdout.splitlines() if line.startswith("| biconvex.dat"))
+    assert float(row.split("|")[2]) == pytest.approx(realistic.Lens(lenses / "biconvex.dat").focal_length_mm, 1e-5)
+    assert "Not compared:" in done.stdout and "notes.json" in done.stdout
+    done = subprocess.run([*command[:2], "none"], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 2 and "none is no folder" in done.stderr
 
 
 def differences(shown, found):

@@ -104,7 +104,9 @@ def test_an_eye_has_its_film_in_a_medium():
     assert eye.outer_indices == (1.0, 1.336)
     assert eye.focal_length_mm == pytest.approx(6 / 0.336)
     assert eye.focal_points_mm == pytest.approx((6 / 0.336, -6 * 1.336 / 0.336))
-    assert eye.principal_planes_mm == pytest.approx((0, 0), abs=1e-12) and eye.nodal_points_mm == pytest.approx((-6, -6))
+    assert eye.principal_planes_mm == pytest.approx((0, 0), abs=1e-12) and eye.nodal_points_mm == pytest.approx(
+        (-6, -6)
+    )
 
 
 def test_surfaces_are_those_of_the_file():

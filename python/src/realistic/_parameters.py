@@ -24,8 +24,8 @@ class Parameters(TypedDict, total=False):
     """Glass catalogue (AGF) to search first for the glasses of a lens file, before the catalogues beside the file
     and the built-in glasses."""
     strict: bool | None
-    """Whether to refuse a lens file of which a statement is replaced or left out that may change the picture; default
-    false."""
+    """Whether to refuse a lens file of which a statement is replaced or left out that may change the picture;
+    default false."""
     film_distance: float | None
     """Distance from the last vertex to the film: positive, in mm; default the lens file's, or focused at
     `focus_distance`."""
