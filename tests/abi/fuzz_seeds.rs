@@ -54,7 +54,7 @@ const OTHERS: [&[u8]; 10] = [
     b"RDM;LEN \"VERSION: 11.2\"\nTITLE 'x'\nEPD 8; DIM M\nWL 656.3 587.6 &\n486.1\nREF 2\nYAN 0 5\nPRV\nPWL 656.3 587.6 486.1\n\
       'OWN' 1.514 1.517 1.523\n'NOA' LAU 2.36 0 0.025\nEND\nSO 0 1e14\nS 50 4 OWN ! front\n  ASP\n  K -0.5; A 1e-6; J 0\n  \
       CIR 12; CIR OBS L'A' 2\nS -50 2 620.603\n  REX 9; REY 8; ADY 1\n  XDE 0\nS 0 1\n  STO\nS -80 60 NBK7_SCHOTT\nS 0 40\n  \
-      THI HMY 0\nSI 0 -0.5\nCIR S2 8\nGO\n",
+      THI HMY 0\nSI 0 -0.5\nCIR S3 8\nGO\n",
     b"tit 'a singlet'\nepd 5\nwl 650 550 450\nyim 0 3\nso 0 1e10\ns .02 4 517642\ns -.02 47\nsi 0 0\n",
     b"// OSLO 6.6\nLEN NEW \"x\" 100 5\nEBR 4\nANG 5\nUNI 1.0\n// SRF 0\nAIR\nTH 1e20\nNXT // SRF 1\nGLA N-BK7\nRD 50; TH 4\nCC -0.5\n\
       AD 1e-7\nAP CHK 5\nNXT\nAIR\nRD -50\nTH 1.5\nAP 5\nNXT\nAIR\nAST\nTH 2\nNXT\nWV 0.58756 0.48613 0.65627\nGLA MOD M 1.62 1.6272 \
