@@ -63,6 +63,8 @@ impl From<CameraError> for Failure {
         let message = error.to_string();
         match error {
             CameraError::Source(_)
+            | CameraError::PictureFile(_)
+            | CameraError::StopPicture { .. }
             | CameraError::TooNear { .. }
             | CameraError::Focus(FocusError::TooNear { .. })
             | CameraError::Moving(MovingError::Unreachable { .. }) => Self::Other(message),

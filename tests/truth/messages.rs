@@ -261,11 +261,6 @@ fn many_equal_warnings_are_shown_once() {
 fn json_is_refused_by_its_name() {
     for text in ["{\"radius\": 3}", "\u{feff}\n  {\n}"] {
         let error = build(&host_with(text), &[]).expect_err("no lens").to_string();
-        assert!(
-            error.contains(
-                "JSON without the keys of a known lens format, which is not read; read are a table"
-            ),
-            "{error}"
-        );
+        assert!(error.contains("JSON without the keys of a known lens format; read are a table"), "{error}");
     }
 }

@@ -279,7 +279,9 @@ fn short_help_fits_a_screen_and_long_help_is_complete() {
     assert!(help(&["-h"]).lines().count() <= 40);
     let long = help(&["render", "--help"]);
     for row in realistic_camera::PARAMETERS {
-        assert!(long.contains(&format!("--{} <", row.name.replace('_', "-"))), "{}", row.name);
+        let flag = format!("--{}", row.name.replace('_', "-"));
+        let has_value = |sign: &str| long.contains(&format!("{flag}{sign}<"));
+        assert!(has_value(" ") || has_value("[="), "{}", row.name);
     }
     // The defaults are those that the command uses, as `pictures` and `spellings` test.
     let joined = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");

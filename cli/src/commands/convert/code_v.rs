@@ -153,7 +153,7 @@ impl PrivateGlasses {
                 }
             };
             let _ = writeln!(text, "'{name}' {constants}");
-            if let Some(own) = material.name() {
+            if let Some(own) = material.name().filter(|own| own != name) {
                 notes.push(format!("{name} is {own}"));
             }
         }

@@ -85,21 +85,17 @@ impl Format {
     }
 }
 
-/// Returns whether two lines are the same, up to the rounding of the number at their end: some readers keep the
-/// curvature of a surface, not its radius.
+/// Returns whether two lines have the same words, up to the rounding of numbers: some readers keep the curvature of a
+/// surface, not its radius.
 fn is_same(one: &str, other: &str) -> bool {
-    let split = |line: &str| {
-        let line = line.trim_end_matches(',');
-        let start = line.rfind(' ').map_or(0, |space| space + 1);
-        (line[..start].to_owned(), line[start..].parse::<f64>())
+    let number = |word: &str| word.trim_end_matches(',').parse::<f64>();
+    let is_close = |(one, other): (&str, &str)| {
+        one == other
+            || matches!((number(one), number(other)), (Ok(one), Ok(other))
+                if (one - other).abs() <= 2.0 * f64::EPSILON * one.abs())
     };
-    one == other
-        || match (split(one), split(other)) {
-            ((key, Ok(number)), (other_key, Ok(other))) => {
-                key == other_key && (number - other).abs() <= 2.0 * f64::EPSILON * number.abs()
-            }
-            _ => false,
-        }
+    let [words, others] = [one, other].map(str::split_whitespace);
+    words.clone().count() == others.clone().count() && words.zip(others).all(is_close)
 }
 
 /// The beginning of a note about a statement of the source that was interpreted differently.

@@ -6,7 +6,7 @@ use realistic_optics::trace::Path as RayPath;
 
 /// The formats that are read back, each with the largest difference of a ray, mm. Indices of a private glass are fitted.
 const READ_BACK: [(Format, f64); 4] =
-    [(Format::Dat, 0.0), (Format::Zmx, 1e-11), (Format::Json, 1e-11), (Format::Seq, 1e-9)];
+    [(Format::Dat, 0.0), (Format::Zmx, 1e-11), (Format::Json, 1e-11), (Format::Seq, 1e-7)];
 
 fn back(format: Format, lens: &Prescription) -> (Prescription, Written) {
     let written = format.write(lens).unwrap_or_else(|why| panic!("{why}"));
@@ -145,9 +145,8 @@ fn random_lenses_read_back_with_the_same_rays() {
                 continue;
             }
             let (back, written) = back(format, &lens);
-            assert!(
-                is_exact || format == Format::Dat || written.notes.iter().any(|note| note.contains("own is"))
-            );
+            let is_replaced = |note: &String| note.contains("own is") || note.ends_with("is own");
+            assert!(is_exact || format == Format::Dat || written.notes.iter().any(is_replaced));
             same_rays(&lens, &back, if is_exact { most } else { 1e-3 }, &(table.clone() + &written.text));
         }
     }
