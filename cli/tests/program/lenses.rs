@@ -30,6 +30,7 @@ fn collection() -> tempfile::TempDir {
         ("nikon/fifty.dat", SINGLET),
         ("twenty.txt", "20 2 1.5 10\n-20 0 1 10\n"),
         ("broken.zmx", "SURF 0\nSURF 1\n  CURV x\n"),
+        ("no-lens.json", "{}"),
         ("README.txt", "lenses\n"),
         ("picture.png", "\u{1}\u{0}"),
     ] {
@@ -44,12 +45,14 @@ fn a_folder_is_listed_with_what_cannot_be_read() {
     let path = folder.path().to_str().unwrap();
     let output = run(caches.path(), None, &["lenses", path]);
     let text = printed(&output);
-    for line in ["nikon/fifty.dat ", "twenty.txt ", "files that cannot be read", "broken.zmx: "] {
+    for line in
+        ["nikon/fifty.dat ", "twenty.txt ", "files that cannot be read", "broken.zmx: ", "no-lens.json: "]
+    {
         assert!(text.lines().any(|own| own.starts_with(line)), "{line} is not in\n{text}");
     }
     assert!(!text.contains("README") && !text.contains("picture"), "{text}");
     let note = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(note, "realistic: 2 lenses; 1 files that cannot be read; 2 other files\n");
+    assert_eq!(note, "realistic: 2 lenses; 2 files that cannot be read; 2 other files\n");
 
     let rows = |arguments: &[&str]| -> Vec<Value> {
         let output = run(caches.path(), None, &[&["lenses", path, "--json"], arguments].concat());
@@ -58,7 +61,7 @@ fn a_folder_is_listed_with_what_cannot_be_read() {
     let names = |arguments: &[&str]| {
         rows(arguments).iter().map(|row| row["name"].as_str().unwrap().to_owned()).collect::<Vec<_>>()
     };
-    assert_eq!(names(&[]), ["broken.zmx", "nikon/fifty.dat", "twenty.txt"]);
+    assert_eq!(names(&[]), ["broken.zmx", "nikon/fifty.dat", "no-lens.json", "twenty.txt"]);
     assert_eq!(names(&["--focal", "40-60"]), ["nikon/fifty.dat"]);
     assert_eq!(names(&["--fnumber", "-3"]), ["twenty.txt"]);
     assert_eq!(names(&["--maker", "NIK"]), ["nikon/fifty.dat"]);

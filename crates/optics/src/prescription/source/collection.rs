@@ -26,8 +26,9 @@ pub const MAX_FILES: usize = 100_000;
 /// Maximum depth of a folder in a collection.
 const MAX_DEPTH: usize = 16;
 
-/// Ends of the names of lens files that other files rarely have.
-const LENS_ENDINGS: [&str; 9] = ["dat", "len", "lens", "lhlt", "roa", "seq", "zar", "zmx", "zos"];
+/// Ends of the names of lens files, except for plain text. Files with these names that are no lenses are reported.
+const LENS_ENDINGS: [&str; 11] =
+    ["dat", "json", "len", "lens", "lhlt", "roa", "seq", "toml", "zar", "zmx", "zos"];
 
 /// The files of a collection.
 #[derive(Debug)]
@@ -63,7 +64,7 @@ pub struct Fault {
 }
 
 impl CollectionFile {
-    /// Returns whether the name ends as the names of lens files do. Other files may be lenses too, but most are not.
+    /// Returns whether the name ends as the names of lens files do. Other files may be lenses too, but few are.
     pub fn is_named_as_lens(&self) -> bool {
         let ending = self.name.rsplit_once('.').map_or("", |(_, ending)| ending);
         LENS_ENDINGS.iter().any(|known| ending.eq_ignore_ascii_case(known))
