@@ -84,8 +84,8 @@ impl Material {
         }
         let medium = self.medium();
         let [d, f, c] = [D_LINE, F_LINE, C_LINE].map(|line| refractive_index(medium, line));
-        let abbe = Some((d - 1.0) / (f - c));
-        let stated = Medium::Glass { n_d: d, abbe };
+        let abbe = (d - 1.0) / (f - c);
+        let stated = Medium::Glass { n_d: d, abbe: Some(abbe) };
         let range = match self {
             Self::Formula { range: Some(range), .. } => *range,
             _ => VISIBLE,
@@ -98,10 +98,10 @@ impl Material {
         let remark = format!(
             "{name} is written by n_d {} and V {}; its index is off by at most {} in the visible",
             number(short_index(d)),
-            short(abbe.unwrap_or(0.0)),
+            short(abbe),
             short(largest)
         );
-        (d, abbe, Some(remark))
+        (d, Some(abbe), Some(remark))
     }
 }
 
