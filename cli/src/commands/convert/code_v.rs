@@ -111,12 +111,14 @@ impl PrivateGlasses {
     /// Returns the word for a medium, behind a space; empty for air. A glass of n_d and V is their decimals; one without
     /// a catalogue is defined in the file.
     fn word(&mut self, material: &Material) -> String {
+        if let Material::Numbers { n_d, abbe: Some(abbe), .. } = material
+            && let Some(code) = code(*n_d, *abbe)
+        {
+            return format!(" {code}");
+        }
         match material {
             Material::Air => String::new(),
             Material::Named { name, catalogue, .. } => format!(" {}_{catalogue}", loose(name)),
-            Material::Numbers { n_d, abbe: Some(abbe), .. } if let Some(code) = code(*n_d, *abbe) => {
-                format!(" {code}")
-            }
             Material::Numbers { .. } | Material::Formula { .. } => {
                 let known = self.all.iter().find(|(_, known)| known == material);
                 let name = known.map(|(name, _)| name.clone()).unwrap_or_else(|| {
@@ -145,9 +147,10 @@ impl PrivateGlasses {
         let mut text = format!("PRV\nPWL {}\n", numbers(wavelengths.iter().copied()));
         let mut tabulated = Vec::new();
         for (name, material) in &self.all {
-            let constants = match material.medium() {
-                medium if let Some(constants) = laurent(medium) => format!("LAU {}", numbers(constants)),
-                medium => {
+            let medium = material.medium();
+            let constants = match laurent(medium) {
+                Some(constants) => format!("LAU {}", numbers(constants)),
+                None => {
                     tabulated.extend(medium.is_dispersive().then_some(name.as_str()));
                     numbers(wavelengths.iter().map(|nm| refractive_index(medium, *nm)))
                 }
