@@ -87,7 +87,7 @@ struct Pixels {
     is_srgb: bool,
 }
 
-/// Decodes a PNG or EXR file. Its first bytes tell which.
+/// Decodes a file in the format of its first bytes, PNG or EXR.
 ///
 /// # Errors
 /// The text says what the file is not.

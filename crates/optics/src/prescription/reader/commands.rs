@@ -160,14 +160,6 @@ impl<'t> Block<'t> {
         Ok(())
     }
 
-    /// Records the fates of the statements of an object or an image.
-    pub(super) fn record_outer(&self, ledger: &mut Ledger<'_>) {
-        for statement in &self.statements {
-            let reason = "describes the object or the image, which are the user's";
-            ledger.note(Fate::Informative, statement.location(), &statement.key, None, reason);
-        }
-    }
-
     /// Returns the error that the surface has a feature that is not traced.
     pub(super) fn refused(&self, text: &Text<'_>, statement: &Command<'_>, what: &str) -> LensFileError {
         let message = format!("surface {} {what} ({})", self.number, statement.shown());
@@ -185,14 +177,24 @@ pub(super) type NoEffect = &'static [(&'static str, &'static [&'static str])];
 /// The reason recorded for an unknown keyword.
 const UNKNOWN: &str = "a statement that this reader does not know";
 
-/// Records the fates of commands that have none yet. A command is used if its values were read, and informative if it
-/// is known to have no effect on rays; other commands are left out by name.
+/// Records the fates of the commands about the whole lens and about its surfaces, as far as they have none yet, and of
+/// the comments. Statements of the object and the image, the first surface and the last, are informative. Another
+/// command is used if its values were read, and informative if it is known to have no effect on rays; other commands
+/// are left out by name.
 pub(super) fn record_fates<'c, 't: 'c>(
-    commands: impl Iterator<Item = &'c Command<'t>>,
+    general: impl Iterator<Item = &'c Command<'t>>,
+    surfaces: &'c [Block<'t>],
+    comments: &[Location],
     no_effect: NoEffect,
     ledger: &mut Ledger<'_>,
 ) {
-    for command in commands.filter(|command| !command.key.is_empty()) {
+    for statement in surfaces.first().into_iter().chain(surfaces.last()).flat_map(|block| &block.statements) {
+        let reason = "describes the object or the image, which are the user's";
+        ledger.note(Fate::Informative, statement.location(), &statement.key, None, reason);
+    }
+    let of_surfaces =
+        surfaces.iter().flat_map(|block| std::iter::once(&block.entry).chain(&block.statements));
+    for command in general.chain(of_surfaces).filter(|command| !command.key.is_empty()) {
         let (key, location) = (command.key.as_str(), command.location());
         if ledger.is_noted(location) {
             continue;
@@ -204,10 +206,6 @@ pub(super) fn record_fates<'c, 't: 'c>(
             None => ledger.note(Fate::LeftOut, location, key, None, UNKNOWN),
         }
     }
-}
-
-/// Records the comments of a text.
-pub(super) fn record_comments(comments: &[Location], ledger: &mut Ledger<'_>) {
     for &location in comments {
         ledger.note(Fate::Informative, location, "comment", None, "");
     }

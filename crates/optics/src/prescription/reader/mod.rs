@@ -352,6 +352,13 @@ mod checks {
         read(FILE, text.as_ref()).unwrap_or_else(|error| panic!("{error}"))
     }
 
+    /// Returns a text with the first `from`, which it contains, replaced.
+    #[track_caller]
+    pub fn replaced(text: &str, from: &str, to: &str) -> String {
+        assert!(text.contains(from), "{from}");
+        text.replacen(from, to, 1)
+    }
+
     /// Checks that the text is refused at `line:column`, with a message that contains all of `parts`.
     #[track_caller]
     pub fn refused(text: &(impl AsRef<[u8]> + ?Sized), at: &str, parts: &[&str]) {

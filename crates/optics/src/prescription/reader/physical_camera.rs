@@ -314,7 +314,7 @@ impl<'d, 't> Document<'d, 't> {
 mod tests {
     use crate::prescription::{
         Coating, Fate, Medium, Shape, SurfaceCoating, read,
-        reader::checks::{ok, refused},
+        reader::checks::{ok, refused, replaced},
     };
 
     const LENS: &str = "[lens] # made up\nname = \"A lens\"\npatent = \"none\"\nfocal_length = 50.5\nmax_fstop = 2\n\
@@ -324,8 +324,7 @@ mod tests {
         radius = 0.0\nthickness = 40.0\nior = 1.0\naperture = 16.0\n";
 
     fn with(from: &str, to: &str) -> String {
-        assert!(LENS.contains(from), "{from}");
-        LENS.replacen(from, to, 1)
+        replaced(LENS, from, to)
     }
 
     #[test]

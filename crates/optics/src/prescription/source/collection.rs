@@ -14,7 +14,7 @@ use std::{
 
 use super::{
     error::SourceError,
-    place::{Place, unreachable_file},
+    place::{FilePlace, unreachable_file},
     zip::Zip,
 };
 use crate::prescription::{glass::GlassLibrary, interfaces::Prescription};
@@ -51,7 +51,7 @@ pub struct CollectionFile {
     pub size: u64,
     /// The time of the last change, of the file or of its archive, if the system has it.
     pub modified: Option<SystemTime>,
-    place: Place,
+    place: FilePlace,
 }
 
 /// A part of a collection that cannot be looked at.
@@ -93,7 +93,7 @@ impl CollectionFile {
         self.place.lens(library)
     }
 
-    pub(super) fn into_place(self) -> Place {
+    pub(super) fn into_place(self) -> FilePlace {
         self.place
     }
 }
@@ -215,7 +215,7 @@ impl Collection {
             return;
         }
         let (size, modified) = (found.len(), found.modified().ok());
-        self.files.push(CollectionFile { name, size, modified, place: Place::File(path) });
+        self.files.push(CollectionFile { name, size, modified, place: FilePlace::File(path) });
     }
 
     /// Adds the members of an archive; their names begin with `name`.
@@ -232,7 +232,7 @@ impl Collection {
                 name: format!("{name}{}", member.name),
                 size: member.size,
                 modified: found.modified().ok(),
-                place: Place::Member(zip.clone(), member.clone()),
+                place: FilePlace::Member(zip.clone(), member.clone()),
             });
         }
         Ok(())

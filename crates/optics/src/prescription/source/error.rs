@@ -51,7 +51,7 @@ pub enum SourceError {
         what: &'static str,
         /// The path that exists.
         path: PathBuf,
-        /// A description of what exists at the path, for the message.
+        /// A description of the thing at the path, for the message.
         why: String,
     },
     /// The file exists, but cannot be read.

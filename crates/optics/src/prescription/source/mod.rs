@@ -23,7 +23,7 @@ use super::{
 pub use collection::{Collection, CollectionFile, Fault, MAX_FILES};
 pub use error::SourceError;
 use named::{Candidates, by_path};
-use place::Place;
+use place::FilePlace;
 pub(super) use place::bounded;
 use realistic_base::message::cut;
 pub(super) use zip::is_zip;
@@ -125,14 +125,14 @@ impl SearchPath {
     /// # Errors
     /// No such file exists. The error has the reason for the first match that is not a regular file, if there is such a
     /// match.
-    fn find(&self, what: &'static str, name: &str) -> Result<Place, Option<SourceError>> {
+    fn find(&self, what: &'static str, name: &str) -> Result<FilePlace, Option<SourceError>> {
         let given = Path::new(name);
         let directories = self.directories.iter().filter(|_| given.is_relative());
         let mut no_file = None;
         for path in
             std::iter::once(given.to_owned()).chain(directories.map(|directory| directory.join(given)))
         {
-            match Place::at(&path) {
+            match FilePlace::at(&path) {
                 Ok(Some(place)) => return Ok(place),
                 Ok(None) => {}
                 Err(why) => no_file = no_file.or(Some(SourceError::NoFile { what, path, why })),
@@ -145,7 +145,7 @@ impl SearchPath {
     ///
     /// # Errors
     /// As for [`find`](Self::find).
-    fn find_lens(&self, name: &str) -> Result<Place, Option<SourceError>> {
+    fn find_lens(&self, name: &str) -> Result<FilePlace, Option<SourceError>> {
         let mut no_file = match self.find("lens", name) {
             Ok(place) => return Ok(place),
             Err(no_file) => no_file,
@@ -189,7 +189,7 @@ pub fn split_scale<'a>(name: &'a str, search: &SearchPath) -> Result<(&'a str, O
 /// No such lens exists, several lenses of the collections have the name, the path leads to something other than a file,
 /// the file is unreadable, or the file is not a lens.
 pub fn load(table: &str, search: &SearchPath, library: GlassLibrary) -> Result<Prescription, SourceError> {
-    let read = |place: &Place| place.lens(&library.beside(place.file()));
+    let read = |place: &FilePlace| place.lens(&library.beside(place.file()));
     let no_file = match search.find_lens(table) {
         Ok(place) => {
             let mut lens = read(&place)?;
@@ -276,7 +276,7 @@ mod tests {
         let mut text = b"20 5 1.5 10\n-20 0 1 10\n#".to_vec();
         text.resize(MAX_FILE_BYTES as usize, b' ');
         std::fs::write(&path, &text).expect("written");
-        let read = || Place::File(path.clone()).lens(&GlassLibrary::default());
+        let read = || FilePlace::File(path.clone()).lens(&GlassLibrary::default());
         assert_eq!(read().expect("as large as may be").interfaces.len(), 2);
         text.push(b' ');
         std::fs::write(&path, &text).expect("written");

@@ -8,7 +8,7 @@ use std::path::{Component, Path, PathBuf};
 use super::{
     collection::{Collection, CollectionFile, within},
     error::SourceError,
-    place::Place,
+    place::FilePlace,
 };
 use crate::prescription::catalogue;
 use realistic_base::message::{cut, nearest, nearest_or_all, some_of};
@@ -18,18 +18,18 @@ use realistic_base::message::{cut, nearest, nearest_or_all, some_of};
 ///
 /// # Errors
 /// The path leads to something other than a file, or out of the collection.
-pub(super) fn by_path(root: &Path, name: &str) -> Result<Option<Place>, SourceError> {
+pub(super) fn by_path(root: &Path, name: &str) -> Result<Option<FilePlace>, SourceError> {
     let is_plain = |part| matches!(part, Component::Normal(_));
     let Some(root) = root.canonicalize().ok().filter(|_| Path::new(name).components().all(is_plain)) else {
         return Ok(None);
     };
     let path = root.join(name);
     let no_file = |why| SourceError::NoFile { what: "lens", path: path.clone(), why };
-    let Some(place) = Place::at(&path).map_err(no_file)? else { return Ok(None) };
+    let Some(place) = FilePlace::at(&path).map_err(no_file)? else { return Ok(None) };
     let target = within(&root, place.file()).map_err(no_file)?;
     Ok(Some(match place {
-        Place::File(_) => Place::File(target),
-        member @ Place::Member(..) => member,
+        FilePlace::File(_) => FilePlace::File(target),
+        member @ FilePlace::Member(..) => member,
     }))
 }
 
@@ -70,7 +70,7 @@ impl Candidates {
     ///
     /// # Errors
     /// Several files have the name.
-    pub(super) fn named(&self, name: &str) -> Result<Option<Place>, SourceError> {
+    pub(super) fn named(&self, name: &str) -> Result<Option<FilePlace>, SourceError> {
         let mut found: Vec<&CollectionFile> =
             self.files.iter().filter(|file| is_called(&file.name, name)).collect();
         // A drawing or a data sheet often has the name of the lens.

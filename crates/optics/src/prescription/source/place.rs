@@ -22,14 +22,14 @@ use realistic_base::message::nearest;
 
 /// The place of a file.
 #[derive(Clone, Debug)]
-pub(super) enum Place {
+pub(super) enum FilePlace {
     /// A file in a folder.
     File(PathBuf),
     /// A member of a zip archive.
     Member(Arc<Zip>, Member),
 }
 
-impl Place {
+impl FilePlace {
     /// Returns the place at the end of a path; `None` if nothing is there.
     ///
     /// # Errors
@@ -89,7 +89,7 @@ impl Place {
     }
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for FilePlace {
     /// Writes the path, which is a name of the file for every host.
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

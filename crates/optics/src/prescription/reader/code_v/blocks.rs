@@ -49,7 +49,12 @@ impl<'t> Blocks<'t> {
     }
 
     /// Adds a surface.
-    fn enter(&mut self, text: &Text<'_>, entry: Command<'t>, surface: Surface) -> Result<(), LensFileError> {
+    fn enter(
+        &mut self,
+        text: &Text<'_>,
+        entry: Command<'t>,
+        surface: SurfaceName,
+    ) -> Result<(), LensFileError> {
         let error = |message: String| Err(text.error(entry.location(), message));
         let number = self.surfaces.len();
         let has_image = self.surfaces.last().is_some_and(|last| is_image(&last.entry));
@@ -60,13 +65,13 @@ impl<'t> Blocks<'t> {
             _ if has_image => {
                 return error("a surface behind the image (SI), which is the last one".to_owned());
             }
-            Surface::Object if number > 0 => {
+            SurfaceName::Object if number > 0 => {
                 return error(format!("a second object (SO) behind surface {}", number - 1));
             }
-            Surface::Image | Surface::Next if number == 0 => {
+            SurfaceName::Image | SurfaceName::Next if number == 0 => {
                 return error("a surface in front of the object (SO), which is the first one".to_owned());
             }
-            Surface::Number(own) if own != number => {
+            SurfaceName::Number(own) if own != number => {
                 return error(format!("surface {own} where surface {number} is expected"));
             }
             _ => {}
@@ -91,9 +96,9 @@ impl<'t> Blocks<'t> {
         let number = match qualifier.map(|at| command.record.take(at)) {
             None => last,
             Some(cell) => match surface_of(cell.text) {
-                Some(Surface::Object) => 0,
-                Some(Surface::Number(own)) if own <= last => own,
-                Some(Surface::Image) if is_image(&self.surfaces[last].entry) => last,
+                Some(SurfaceName::Object) => 0,
+                Some(SurfaceName::Number(own)) if own <= last => own,
+                Some(SurfaceName::Image) if is_image(&self.surfaces[last].entry) => last,
                 _ => {
                     let message = format!(
                         "\"{cell}\" is not one surface before this statement; write the statement once for each surface, \
@@ -115,7 +120,7 @@ impl<'t> Blocks<'t> {
 
 /// A surface as a statement names it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Surface {
+enum SurfaceName {
     Object,
     Next,
     Image,
@@ -123,13 +128,13 @@ enum Surface {
 }
 
 /// Returns the surface of a word: `SO`, `S`, `SI` or `S3`.
-fn surface_of(word: &str) -> Option<Surface> {
+fn surface_of(word: &str) -> Option<SurfaceName> {
     match word.strip_prefix(['S', 's'])? {
-        "" => Some(Surface::Next),
-        "O" | "o" | "0" => Some(Surface::Object),
-        "I" | "i" => Some(Surface::Image),
+        "" => Some(SurfaceName::Next),
+        "O" | "o" | "0" => Some(SurfaceName::Object),
+        "I" | "i" => Some(SurfaceName::Image),
         digits if digits.bytes().all(|byte| byte.is_ascii_digit()) => {
-            digits.parse().ok().map(Surface::Number)
+            digits.parse().ok().map(SurfaceName::Number)
         }
         _ => None,
     }
@@ -137,5 +142,5 @@ fn surface_of(word: &str) -> Option<Surface> {
 
 /// Returns whether a statement enters the image.
 pub(super) fn is_image(entry: &Command<'_>) -> bool {
-    surface_of(entry.record.key.text) == Some(Surface::Image)
+    surface_of(entry.record.key.text) == Some(SurfaceName::Image)
 }

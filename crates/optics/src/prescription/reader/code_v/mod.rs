@@ -14,9 +14,9 @@ mod surface;
 mod system;
 
 use super::{
-    commands::{Block, record_comments, record_fates},
+    commands::{Block, record_fates},
     ledger::Ledger,
-    sequential::{CURVED_IMAGE, Place, SequentialLens},
+    sequential::{CURVED_IMAGE, SequentialLens, SurfacePlaces},
     surface_rows::checked,
     text::{Location, Text},
 };
@@ -47,7 +47,7 @@ pub(super) fn read(
     for block in own {
         surfaces.push(surface::read(text, block, &mut glasses, ledger)?);
         thicknesses.push(surface::thickness(text, block)?);
-        places.push(Place {
+        places.push(SurfacePlaces {
             surface: block.entry.location(),
             size: block.find("CIR").map(|statement| statement.location()),
             thickness: block.find("THI").map(|statement| statement.location()),
@@ -80,12 +80,8 @@ pub(super) fn read(
     let (lens, _) = lens.prescription(text, object.entry.location(), ledger)?;
     let title = system::title(&blocks);
     let (glasses, remarks) = glasses.glasses_and_warnings(text.file);
-    [object, image].into_iter().for_each(|block| block.record_outer(ledger));
-    let of_surfaces =
-        blocks.surfaces.iter().flat_map(|block| std::iter::once(&block.entry).chain(&block.statements));
-    let all = blocks.general.iter().chain(&blocks.catalogue).chain(of_surfaces);
-    record_fates(all, statements::NO_EFFECT, ledger);
-    record_comments(&blocks.comments, ledger);
+    let general = blocks.general.iter().chain(&blocks.catalogue);
+    record_fates(general, &blocks.surfaces, &blocks.comments, statements::NO_EFFECT, ledger);
     Ok(Prescription { title, glasses, remarks, ..lens })
 }
 

@@ -81,7 +81,7 @@ pub(super) fn apply(
     Ok(())
 }
 
-/// What the statements of a surface say about its curvature.
+/// The statements about the curvature of a surface.
 struct Numbers {
     /// The first number of `S`.
     entered: f64,

@@ -23,17 +23,10 @@ pub(super) struct SurfaceAperture {
     pub others: Vec<Aperture>,
 }
 
-/// The kind of an aperture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
-    Clear,
-    Obstruction,
-}
-
 /// An aperture of which some statements were read.
 #[derive(Debug)]
 struct Draft<'b, 't> {
-    kind: Kind,
+    is_obstruction: bool,
     label: &'b str,
     statement: &'b Command<'t>,
     circle: f64,
@@ -60,13 +53,13 @@ pub(super) fn read(
         let values = statement.record.values();
         let number = values.iter().position(|value| value.number().is_some()).unwrap_or(values.len());
         let size = statement.record.number(text, number)?;
-        let mut kind = Kind::Clear;
+        let mut is_obstruction = false;
         let mut label = "";
         let mut is_edge = false;
         for word in &values[..number] {
             match word.text.to_ascii_uppercase().as_str() {
-                "CLR" => kind = Kind::Clear,
-                "OBS" => kind = Kind::Obstruction,
+                "CLR" => is_obstruction = false,
+                "OBS" => is_obstruction = true,
                 "EDG" => is_edge = true,
                 "HOL" if size == 0.0 => {}
                 "HOL" => return Err(block.refused(text, statement, "has a hole, which is not traced")),
@@ -84,10 +77,10 @@ pub(super) fn read(
             ledger.note(Fate::Informative, statement.location(), key, None, reason);
             continue;
         }
-        let known = drafts.iter().position(|own| own.kind == kind && own.label == label);
+        let known = drafts.iter().position(|own| own.is_obstruction == is_obstruction && own.label == label);
         let draft = known.unwrap_or_else(|| {
             drafts.push(Draft {
-                kind,
+                is_obstruction,
                 label,
                 statement,
                 circle: 0.0,
@@ -116,7 +109,7 @@ pub(super) fn read(
     let mut aperture = SurfaceAperture { clip: None, others: Vec::new() };
     for draft in &drafts {
         let Some(outline) = outline(text, block, draft)? else { continue };
-        let is_obstruction = draft.kind == Kind::Obstruction;
+        let is_obstruction = draft.is_obstruction;
         let own = Aperture { center: draft.center, is_obstruction, ..Aperture::centered(outline) };
         if !is_obstruction && aperture.clip.is_some() {
             return Err(block.refused(text, draft.statement, "has a second clear aperture; expected one"));

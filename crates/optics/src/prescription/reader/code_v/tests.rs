@@ -2,7 +2,7 @@ use crate::prescription::{
     Fate, Outline,
     glass::{D_LINE, refractive_index},
     interfaces::{Medium, Shape},
-    reader::checks::{ok, refused},
+    reader::checks::{ok, refused, replaced},
 };
 
 const LENS: &str = "RDM;LEN       \"VERSION: 11.2\"\n\
@@ -19,8 +19,7 @@ const LENS: &str = "RDM;LEN       \"VERSION: 11.2\"\n\
     CIR S4 4.5\nPIK THI S3 Z1 THI S1 Z1\nGO\n";
 
 fn with(from: &str, to: &str) -> String {
-    assert!(LENS.contains(from), "{from}");
-    LENS.replacen(from, to, 1)
+    replaced(LENS, from, to)
 }
 
 #[test]

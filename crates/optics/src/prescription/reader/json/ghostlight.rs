@@ -13,7 +13,7 @@ use crate::prescription::{
     interfaces::{Asphere, Medium, NO_TERMS, Prescription, has_coating},
     reader::{
         ledger::Ledger,
-        sequential::{Place, SequentialLens, SequentialSurface, asphere, set_term},
+        sequential::{SequentialLens, SequentialSurface, SurfacePlaces, asphere, set_term},
         surface_rows::MediumBehind,
     },
 };
@@ -114,7 +114,7 @@ fn check_pivots(root: Part<'_>) -> Result<(), LensFileError> {
 struct Chain<'j> {
     surfaces: Vec<SequentialSurface>,
     thicknesses: Vec<f64>,
-    places: Vec<Place>,
+    places: Vec<SurfacePlaces>,
     parts: Vec<Part<'j>>,
     /// The number of layers of each surface's coating.
     layers: Vec<f64>,

@@ -16,7 +16,7 @@ mod ray_optics;
 use super::{
     ledger::Ledger,
     named_glass::NamedGlasses,
-    sequential::{CURVED_IMAGE, Place},
+    sequential::{CURVED_IMAGE, SurfacePlaces},
     surface_rows::{self, MediumBehind},
     text::{Text, title},
 };
@@ -142,9 +142,9 @@ fn check_image(curvature: f64, image: Part<'_>, key: &str, ledger: &mut Ledger<'
 }
 
 /// Returns the place of a surface with these keys for its size and its thickness.
-fn place(part: Part<'_>, number: String, size: Option<&str>, thickness: Option<&str>) -> Place {
+fn place(part: Part<'_>, number: String, size: Option<&str>, thickness: Option<&str>) -> SurfacePlaces {
     let of = |key: Option<&str>| Some(part.get(key?)?.node.location);
-    Place { surface: part.node.location, size: of(size), thickness: of(thickness), number }
+    SurfacePlaces { surface: part.node.location, size: of(size), thickness: of(thickness), number }
 }
 
 /// Returns the error that a surface of the lens is something that is not traced. `what` follows "surface 3 ".

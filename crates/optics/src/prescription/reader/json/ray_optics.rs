@@ -17,7 +17,7 @@ use crate::prescription::{
     reader::{
         ledger::Ledger,
         sequential::{
-            Aperture, Field, Place, SequentialLens, SequentialSurface, asphere, nanometres, set_term,
+            Aperture, Field, SequentialLens, SequentialSurface, SurfacePlaces, asphere, nanometres, set_term,
         },
         surface_rows::{MediumBehind, checked},
         text::Location,
@@ -151,7 +151,7 @@ pub(super) fn read(
         surfaces.push(surface(part, &name, model, behind, is_stop)?);
         thicknesses.push(gap.number("thi")?.unwrap_or(0.0));
         let location = |part: Option<Part<'_>>| part.map(|part| part.node.location);
-        places.push(Place {
+        places.push(SurfacePlaces {
             surface: part.node.location,
             size: location(inner(part).get("max_aperture")),
             thickness: location(gap.get("thi")),

@@ -5,7 +5,7 @@
 
 use crate::prescription::{
     Coating, Fate, Medium, Outline, Prescription, Shape,
-    reader::checks::{ok, refused},
+    reader::checks::{ok, refused, replaced as with},
 };
 
 const LHLT: &str = r#"{"FormatVersion": 1,
@@ -94,11 +94,6 @@ const GHOSTLIGHT: &str = r#"{"format": "ghostlight-optical", "version": {"major"
 const ALL: [&str; 5] = [LHLT, RAY_OPTICS, OPTILAND, DEEP_LENS, GHOSTLIGHT];
 
 /// Returns a file with its first `from` replaced.
-fn with(text: &str, from: &str, to: &str) -> String {
-    assert!(text.contains(from), "{from}");
-    text.replacen(from, to, 1)
-}
-
 /// Returns `line:column` of the first `word` of a text.
 fn at(text: &str, word: &str) -> String {
     let start = text.find(word).expect("a word of the text");

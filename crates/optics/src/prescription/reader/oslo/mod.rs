@@ -5,11 +5,11 @@
 //! first wavelength of `WV` is that of the lens. `UNI` is the unit, mm.
 
 use super::{
-    commands::{Block, Command, Commands, NoEffect, Syntax, Untraced, record_comments, record_fates},
+    commands::{Block, Command, Commands, NoEffect, Syntax, Untraced, record_fates},
     ledger::Ledger,
     named_glass::NamedGlasses,
     sequential::{
-        Aperture, CURVED_IMAGE, Field, FieldKind, Place, SequentialLens, SequentialSurface, asphere,
+        Aperture, CURVED_IMAGE, Field, FieldKind, SequentialLens, SequentialSurface, SurfacePlaces, asphere,
         nanometres, set_term,
     },
     surface_rows::{MediumBehind, checked},
@@ -150,7 +150,7 @@ pub(super) fn read(
         }
         thicknesses.push(thickness);
         let location = |key: &str| block.find(key).map(Command::location);
-        places.push(Place {
+        places.push(SurfacePlaces {
             surface: block.entry.location(),
             size: location("AP"),
             thickness: location("TH"),
@@ -188,11 +188,7 @@ pub(super) fn read(
     for key in ["END", "WV"] {
         blocks.general.iter().filter(|own| own.key == key).for_each(|own| _ = own.record.values());
     }
-    [object, image].into_iter().for_each(|block| block.record_outer(ledger));
-    let of_surfaces =
-        blocks.surfaces.iter().flat_map(|block| std::iter::once(&block.entry).chain(&block.statements));
-    record_fates(blocks.general.iter().chain(of_surfaces), NO_EFFECT, ledger);
-    record_comments(&blocks.comments, ledger);
+    record_fates(blocks.general.iter(), &blocks.surfaces, &blocks.comments, NO_EFFECT, ledger);
     Ok(Prescription {
         title: title(object.entry.record.word(1).map(|word| word.text)),
         glasses,

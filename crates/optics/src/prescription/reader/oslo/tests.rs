@@ -2,7 +2,7 @@ use crate::prescription::{
     Fate,
     glass::{D_LINE, refractive_index},
     interfaces::{Medium, Shape},
-    reader::checks::{ok, refused},
+    reader::checks::{ok, refused, replaced},
 };
 
 const LENS: &str = "// OSLO 6.6 1 2 3\n\
@@ -18,8 +18,7 @@ const LENS: &str = "// OSLO 6.6 1 2 3\n\
     WV 0.58756 0.48613 0.65627\nWW 1.0 1.0 1.0\nEND  6\nXYZ 1\n";
 
 fn with(from: &str, to: &str) -> String {
-    assert!(LENS.contains(from), "{from}");
-    LENS.replacen(from, to, 1)
+    replaced(LENS, from, to)
 }
 
 #[test]

@@ -18,7 +18,7 @@ use realistic_base::message::cut;
 
 /// The places in the file at which a surface is described.
 #[derive(Clone, Debug)]
-pub(in super::super) struct Place {
+pub(in super::super) struct SurfacePlaces {
     /// The surface as a whole.
     pub surface: Location,
     /// The statement of its semi-diameter, if it has one.
@@ -40,7 +40,7 @@ pub(in super::super) struct SequentialLens {
     pub surfaces: Vec<SequentialSurface>,
     /// The thicknesses behind the surfaces; the last one reaches to the image.
     pub thicknesses: Vec<f64>,
-    pub places: Vec<Place>,
+    pub places: Vec<SurfacePlaces>,
     pub aperture: Aperture,
     pub field: Option<Field>,
     /// The wavelength for which the file describes the lens, nm, and its place.
@@ -58,7 +58,7 @@ impl SequentialLens {
         location: Location,
         surfaces: Vec<SequentialSurface>,
         thicknesses: Vec<f64>,
-        places: Vec<Place>,
+        places: Vec<SurfacePlaces>,
         keys: [&'static str; 3],
     ) -> Self {
         Self {
@@ -108,7 +108,7 @@ impl SequentialLens {
         }
         let Effective { kept, left_out } = Effective::of(self.object, &self.surfaces, &self.thicknesses);
         for (i, reason) in left_out {
-            let Place { surface, number, .. } = &self.places[i];
+            let SurfacePlaces { surface, number, .. } = &self.places[i];
             ledger.note(Fate::LeftOut, *surface, self.keys[0], Some(number), reason);
         }
         let gaps = merged(&kept, &self.thicknesses);
@@ -133,7 +133,7 @@ impl SequentialLens {
             rows[last].thickness = 0.0;
         }
         let at = |row: usize, message: &str| {
-            let Place { surface, number, .. } = &self.places[kept[row]];
+            let SurfacePlaces { surface, number, .. } = &self.places[kept[row]];
             text.error(*surface, format!("surface {}: {message}", cut(number)))
         };
         let mut interfaces = surface_rows::interfaces(&rows, self.object.medium, &at, ledger)?;
@@ -223,7 +223,7 @@ impl SequentialLens {
                 true => "the stop's own aperture, which is the narrower one, limits the beam",
                 false => "the stop is as large as the file's aperture says",
             };
-            let Place { surface, size, number, .. } = &self.places[stop];
+            let SurfacePlaces { surface, size, number, .. } = &self.places[stop];
             ledger.note(Fate::Replaced, size.unwrap_or(*surface), self.keys[1], Some(number), reason);
         }
         if stated.is_none() && size.is_some() {

@@ -17,7 +17,7 @@ use crate::prescription::{
     interfaces::{Asphere, AsphereTerms, FIRST_POWER, LAST_POWER, Medium, NO_TERMS, Prescription, Shape},
     positions::{Position, Positions},
 };
-pub(super) use lens::{Place, SequentialLens};
+pub(super) use lens::{SequentialLens, SurfacePlaces};
 pub(super) use paraxial::{Aperture, Field, FieldKind, Paraxial};
 use realistic_base::message::{as_given, short};
 

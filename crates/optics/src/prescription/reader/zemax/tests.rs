@@ -4,7 +4,7 @@ use crate::prescription::{
     Coating, GlassLibrary, Medium, NO_TERMS, Shape, SurfaceCoating,
     glass::{D_LINE, refractive_index},
     read_with,
-    reader::checks::{FILE, ok, refused},
+    reader::checks::{FILE, ok, refused, replaced},
 };
 
 /// A made-up lens with a named glass, a model glass, an asphere, surfaces without effect, and a stop in air whose size
@@ -22,8 +22,7 @@ const LENS: &str = "VERS 120928 0\nMODE SEQ\nNAME A made-up lens\nUNIT MM X W X 
     SURF 8\n  CURV 0\n  DISZ 0\n  DIAM 3\nTOL TOFF 0 0\nMNUM 1 1\nMOFF 0 1 \"\" 0 0\n";
 
 fn with(from: &str, to: &str) -> String {
-    assert!(LENS.contains(from), "{from}");
-    LENS.replacen(from, to, 1)
+    replaced(LENS, from, to)
 }
 
 #[test]
