@@ -4,7 +4,7 @@
 use super::{
     glasses::Material,
     numbers::{number, numbers},
-    sequence::{Row, Sequence},
+    sequence::{Sequence, SequenceRow},
 };
 use realistic_optics::prescription::{
     Aperture, Medium, Outline,
@@ -65,7 +65,7 @@ pub fn write(sequence: &Sequence<'_>, notes: &mut Vec<String>) -> Result<String,
 }
 
 /// Returns the lines of a figure that is no sphere.
-fn figure(row: &Row<'_>) -> Result<String, String> {
+fn figure(row: &SequenceRow<'_>) -> Result<String, String> {
     if row.terms.is_empty() {
         let conic = format!("  CON\n  K {}\n", number(row.conic));
         return Ok(if row.conic == 0.0 { String::new() } else { conic });

@@ -3,7 +3,7 @@
 use super::{
     glasses::Material,
     numbers::micrometres,
-    sequence::{Row, Sequence},
+    sequence::{Sequence, SequenceRow},
 };
 use realistic_optics::prescription::{Aperture, Outline};
 use serde_json::{Value, json};
@@ -95,7 +95,7 @@ fn surface(geometry: Value, material: Value) -> Value {
 }
 
 /// Returns the geometry of a row with its vertex at z.
-fn figure(row: &Row<'_>, z: f64) -> Value {
+fn figure(row: &SequenceRow<'_>, z: f64) -> Value {
     let (step, count) = row.powers();
     let kind = match (count, step) {
         (0, _) if row.radius.is_infinite() => return geometry("Plane", z, row.radius),

@@ -14,7 +14,7 @@ use realistic_optics::prescription::{
 
 /// A surface of the lens, and what stands behind it.
 #[derive(Clone, Debug)]
-pub struct Row<'a> {
+pub struct SequenceRow<'a> {
     /// The number of the surface, counted from 1.
     pub number: usize,
     /// Signed radius, mm; infinite for a plane.
@@ -52,7 +52,7 @@ pub struct Sequence<'a> {
     /// The medium in front of the lens.
     pub object: Material,
     /// The rows; one is the stop.
-    pub rows: Vec<Row<'a>>,
+    pub rows: Vec<SequenceRow<'a>>,
     /// Wavelengths, nm, in ascending order.
     pub wavelengths: Vec<f64>,
     /// The wavelength for which the lens is described, among these.
@@ -88,13 +88,13 @@ impl<'a> Sequence<'a> {
         let configurations = configurations(lens, lens.interfaces[stop].semi_diameter);
         let mut media = lens.media().map(|medium| Material::of(lens, medium));
         let object = media.next().unwrap_or(Material::Air);
-        let mut rows: Vec<Row<'a>> = (1..)
+        let mut rows: Vec<SequenceRow<'a>> = (1..)
             .zip(&lens.interfaces)
             .zip(media)
             .map(|((number, interface), behind)| {
                 let (radius, conic, terms) = figure(&interface.shape);
                 let is_stop = number == stop + 1;
-                let mut row = Row {
+                let mut row = SequenceRow {
                     number,
                     radius,
                     conic,
@@ -153,7 +153,7 @@ impl<'a> Sequence<'a> {
 
     /// Notes that coatings are left out, if the lens has any.
     pub fn note_no_coatings(&self, notes: &mut Vec<String>) {
-        let is_coated = |row: &&Row<'_>| row.coating.is_some_and(|coating| !coating.is_bare());
+        let is_coated = |row: &&SequenceRow<'_>| row.coating.is_some_and(|coating| !coating.is_bare());
         let coated: Vec<usize> = self.rows.iter().filter(is_coated).map(|row| row.number).collect();
         if !coated.is_empty() {
             notes.push(format!("the coatings of {} are left out", counted("surface", "surfaces", &coated)));
@@ -161,12 +161,12 @@ impl<'a> Sequence<'a> {
     }
 
     /// Returns the row of the stop.
-    pub fn stop(&self) -> &Row<'a> {
+    pub fn stop(&self) -> &SequenceRow<'a> {
         self.rows.iter().find(|row| row.is_stop).unwrap_or(&self.rows[0])
     }
 }
 
-impl<'a> Row<'a> {
+impl<'a> SequenceRow<'a> {
     /// Adds an aperture of the surface.
     fn limit(&mut self, aperture: &'a Aperture, notes: &mut Vec<String>) {
         let is_centered = aperture.center == [0.0; 2];

@@ -4,7 +4,7 @@
 use super::{
     glasses::Material,
     numbers::{curvature, micrometres, number, numbers},
-    sequence::{Row, Sequence},
+    sequence::{Sequence, SequenceRow},
 };
 use realistic_optics::prescription::{Aperture, Coating, GlassLibrary, Outline, SurfaceCoating};
 use std::fmt::Write as _;
@@ -111,7 +111,7 @@ fn write_glass(
 
 fn write_row(
     text: &mut String,
-    row: &Row<'_>,
+    row: &SequenceRow<'_>,
     catalogues: &[String],
     wavelength: f64,
     notes: &mut Vec<String>,
@@ -135,7 +135,7 @@ fn write_row(
     }
 }
 
-fn write_figure(text: &mut String, row: &Row<'_>) {
+fn write_figure(text: &mut String, row: &SequenceRow<'_>) {
     let (step, count) = row.powers();
     let is_extended = count > MOST_PARAMETERS;
     let kind = match (count, step, is_extended) {
@@ -201,7 +201,7 @@ fn aperture(shape: &Aperture, semi_diameter: f64) -> Option<String> {
 
 /// Writes a coating that a file of the format can name: one of its program's sample file, in waves of the primary
 /// wavelength.
-fn write_coating(text: &mut String, row: &Row<'_>, primary: f64, notes: &mut Vec<String>) {
+fn write_coating(text: &mut String, row: &SequenceRow<'_>, primary: f64, notes: &mut Vec<String>) {
     let Some(coating) = row.coating.filter(|coating| !coating.is_bare()) else { return };
     let name = match coating {
         SurfaceCoating::Named { coating: Coating::QuarterWave, wavelength } if *wavelength == primary => "AR",

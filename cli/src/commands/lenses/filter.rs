@@ -1,6 +1,6 @@
 //! The lenses that the user looks for: ranges of focal length and f-number, and the maker.
 
-use super::row::Row;
+use super::row::ListRow;
 
 /// A range of numbers; both ends belong to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,7 +47,7 @@ impl Filter {
     }
 
     /// Returns whether a row passes. A file that cannot be read passes an open filter alone.
-    pub fn passes(&self, row: &Row) -> bool {
+    pub fn passes(&self, row: &ListRow) -> bool {
         let within = |range: Option<NumberRange>, own: Option<[f64; 2]>| {
             range.is_none_or(|range| own.is_some_and(|own| range.meets(own)))
         };
@@ -55,7 +55,7 @@ impl Filter {
         within(self.focal, row.focal_range()) && within(self.fnumber, fnumber) && self.is_by_maker(row)
     }
 
-    fn is_by_maker(&self, row: &Row) -> bool {
+    fn is_by_maker(&self, row: &ListRow) -> bool {
         let Some(maker) = self.maker.as_ref().map(|maker| maker.to_lowercase()) else { return true };
         let places: &[&str] = match row.text("maker") {
             Some(_) => &["maker"],
@@ -74,8 +74,8 @@ mod tests {
     use super::*;
     use serde_json::json;
 
-    fn row(facts: &serde_json::Value) -> Row {
-        Row::of_lens("x", "/own/x", facts.as_object().unwrap())
+    fn row(facts: &serde_json::Value) -> ListRow {
+        ListRow::of_lens("x", "/own/x", facts.as_object().unwrap())
     }
 
     #[test]
@@ -96,7 +96,7 @@ mod tests {
             "title": "by Acme",
         }));
         let diverging = row(&json!({ "focal_length_mm": -50.0, "fnumber": 5.0 }));
-        let error = Row::of_error("nikon", "/nikon", "why");
+        let error = ListRow::of_error("nikon", "/nikon", "why");
         let passing = |focal: Option<&str>, fnumber: Option<&str>, maker: Option<&str>| {
             let range = |text: Option<&str>| text.map(|text| NumberRange::parse(text).unwrap());
             let filter =

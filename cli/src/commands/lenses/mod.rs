@@ -14,7 +14,7 @@ use crate::files;
 use cache::Cache;
 use filter::{Filter, NumberRange};
 use realistic_optics::prescription::{Collection, CollectionFile, SearchPath};
-use row::Row;
+use row::ListRow;
 use scan::Listing;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -71,7 +71,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         sheet::write(&rows, out)?;
         return Ok(console::report(&format!("{}\n", out.display()), out)?);
     }
-    let rows: Vec<Row> = rows.into_iter().map(|(row, _)| row).collect();
+    let rows: Vec<ListRow> = rows.into_iter().map(|(row, _)| row).collect();
     let text = if args.json {
         table::json(&rows)
     } else if args.csv {
@@ -103,7 +103,7 @@ fn listing(args: &Args) -> Result<Listing, Failure> {
             // A folder of the environment may be on a disk that is not there now.
             Err(error) if args.places.is_empty() => {
                 let path = place.display().to_string();
-                listing.rows.push((Row::of_error(&path, &path, &error.to_string()), None));
+                listing.rows.push((ListRow::of_error(&path, &path, &error.to_string()), None));
             }
             Err(error) => return Err(Failure::Other(error.to_string())),
         }

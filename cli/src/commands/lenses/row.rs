@@ -64,9 +64,9 @@ const MAKERS: [&str; 33] = [
 
 /// A row: a value for each of [`COLUMNS`].
 #[derive(Clone, Debug, PartialEq)]
-pub struct Row(Map<String, Value>);
+pub struct ListRow(Map<String, Value>);
 
-impl Row {
+impl ListRow {
     /// Makes the row of a lens from its facts.
     pub fn of_lens(name: &str, lens_file: &str, facts: &Map<String, Value>) -> Self {
         let mut row = Self::empty(name, lens_file);
@@ -170,9 +170,9 @@ mod tests {
     use super::*;
     use realistic_optics::prescription::{catalogue, read};
 
-    fn row(name: &str, text: &str) -> Row {
+    fn row(name: &str, text: &str) -> ListRow {
         let facts = facts(&read(name, text.as_bytes()).unwrap()).unwrap();
-        Row::of_lens(name, &format!("/stock/thorlabs/{name}"), &facts)
+        ListRow::of_lens(name, &format!("/stock/thorlabs/{name}"), &facts)
     }
 
     #[test]
@@ -194,14 +194,14 @@ mod tests {
         {
             assert_eq!(maker(text), known, "{text}");
         }
-        let error = Row::of_error("c.dat", "/c.dat", "why");
+        let error = ListRow::of_error("c.dat", "/c.dat", "why");
         assert_eq!((error.json().len(), error.text("error")), (COLUMNS.len(), Some("why")));
     }
 
     #[test]
     fn a_zoom_lens_has_a_range() {
         let zoom = catalogue::find("zoom.24-70mm").unwrap();
-        let row = Row::of_lens("zoom", "zoom", &facts(&zoom).unwrap());
+        let row = ListRow::of_lens("zoom", "zoom", &facts(&zoom).unwrap());
         let [shortest, longest] = row.focal_range().unwrap();
         assert!((23.0..26.0).contains(&shortest) && (66.0..72.0).contains(&longest), "{shortest} {longest}");
         assert_eq!(row.json()["is_zoom"], true);

@@ -2,7 +2,7 @@
 
 use super::cache::Cache;
 use super::outcome::Outcome;
-use super::row::{Row, facts};
+use super::row::{ListRow, facts};
 use rayon::prelude::*;
 use realistic_optics::prescription::{Collection, CollectionFile, GlassLibrary, SearchPath, catalogue};
 use std::path::Path;
@@ -17,7 +17,7 @@ pub const AT_ONCE: usize = 128;
 #[derive(Debug, Default)]
 pub struct Listing {
     /// The rows, each with its file; a lens of the catalogue and a part that cannot be looked at have none.
-    pub rows: Vec<(Row, Option<CollectionFile>)>,
+    pub rows: Vec<(ListRow, Option<CollectionFile>)>,
     /// Number of files that are no lenses.
     pub others: usize,
 }
@@ -28,8 +28,8 @@ impl Listing {
         for name in catalogue::names() {
             let facts = catalogue::find(name).ok_or_else(String::new).and_then(|lens| facts(&lens));
             let row = match facts {
-                Ok(facts) => Row::of_lens(name, name, &facts),
-                Err(why) => Row::of_error(name, name, &why),
+                Ok(facts) => ListRow::of_lens(name, name, &facts),
+                Err(why) => ListRow::of_error(name, name, &why),
             };
             self.rows.push((row, None));
         }
@@ -48,13 +48,13 @@ impl Listing {
         let outcomes: Vec<Outcome> = read.collect();
         for fault in collection.faults() {
             let path = collection.root().join(&fault.name).display().to_string();
-            self.rows.push((Row::of_error(&fault.name, &path, &fault.why), None));
+            self.rows.push((ListRow::of_error(&fault.name, &path, &fault.why), None));
         }
         for (file, outcome) in files.iter().zip(&outcomes) {
             let path = file.path();
             let row = match outcome {
-                Outcome::Lens(facts) => Row::of_lens(&file.name, &path, facts),
-                Outcome::Unreadable(why) => Row::of_error(&file.name, &path, why),
+                Outcome::Lens(facts) => ListRow::of_lens(&file.name, &path, facts),
+                Outcome::Unreadable(why) => ListRow::of_error(&file.name, &path, why),
                 Outcome::NoLens => {
                     self.others += 1;
                     continue;
@@ -67,7 +67,7 @@ impl Listing {
                 "and {} files behind it are not read: those of a collection have at most {MOST_BYTES} bytes (1 GiB) together",
                 rest.len() - 1
             );
-            self.rows.push((Row::of_error(&first.name, &first.path(), &why), None));
+            self.rows.push((ListRow::of_error(&first.name, &first.path(), &why), None));
         }
         cache.keep(files.iter().zip(&outcomes));
     }

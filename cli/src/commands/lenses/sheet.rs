@@ -1,6 +1,6 @@
 //! The cross-sections of the listed lenses on one page of HTML, which needs no other files.
 
-use super::row::Row;
+use super::row::ListRow;
 use super::scan::{AT_ONCE, Glasses};
 use super::table::focal_lengths;
 use crate::console;
@@ -34,7 +34,7 @@ pub fn path(text: &str) -> Result<PathBuf, String> {
 ///
 /// # Errors
 /// The file cannot be written; the message names it.
-pub fn write(rows: &[(Row, Option<CollectionFile>)], out: &Path) -> Result<(), Failure> {
+pub fn write(rows: &[(ListRow, Option<CollectionFile>)], out: &Path) -> Result<(), Failure> {
     let lenses: Vec<_> = rows.iter().filter(|(row, _)| row.text("error").is_none()).collect();
     if lenses.len() > MOST {
         console::warn(&format!(
@@ -44,7 +44,7 @@ pub fn write(rows: &[(Row, Option<CollectionFile>)], out: &Path) -> Result<(), F
     }
     let shown = &lenses[..lenses.len().min(MOST)];
     let search = SearchPath::from_environment();
-    let draw = |rows: &[&(Row, Option<CollectionFile>)]| {
+    let draw = |rows: &[&(ListRow, Option<CollectionFile>)]| {
         let mut glasses = Glasses::new(&search);
         rows.iter().filter_map(|(row, file)| figure(row, file.as_ref(), &mut glasses)).collect::<Vec<_>>()
     };
@@ -59,7 +59,7 @@ pub fn write(rows: &[(Row, Option<CollectionFile>)], out: &Path) -> Result<(), F
 }
 
 /// Draws a lens; `None` if its file has changed and is no lens any more.
-fn figure<'f>(row: &Row, file: Option<&'f CollectionFile>, glasses: &mut Glasses<'f>) -> Option<String> {
+fn figure<'f>(row: &ListRow, file: Option<&'f CollectionFile>, glasses: &mut Glasses<'f>) -> Option<String> {
     let prescription = match file {
         Some(file) => file.lens(glasses.of(file)).ok()?,
         None => catalogue::find(row.text("lens_file")?)?,

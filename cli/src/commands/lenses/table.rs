@@ -1,6 +1,6 @@
 //! The rows of the list as text, JSON and CSV.
 
-use super::row::{COLUMNS, Row};
+use super::row::{COLUMNS, ListRow};
 use realistic_base::message::printable;
 use serde_json::Value;
 use std::fmt::Write as _;
@@ -9,10 +9,10 @@ use std::fmt::Write as _;
 const WIDEST: usize = 48;
 
 /// Formats the rows as text: a table of the lenses, and below it the files that cannot be read.
-pub fn text(rows: &[Row]) -> String {
-    let (lenses, unreadable): (Vec<&Row>, Vec<&Row>) =
+pub fn text(rows: &[ListRow]) -> String {
+    let (lenses, unreadable): (Vec<&ListRow>, Vec<&ListRow>) =
         rows.iter().partition(|row| row.text("error").is_none());
-    let name = |row: &Row| row.text("name").unwrap_or_default().to_owned();
+    let name = |row: &ListRow| row.text("name").unwrap_or_default().to_owned();
     let widths = lenses.iter().map(|row| name(row).chars().count());
     let width = widths.max().unwrap_or(0).clamp(20, WIDEST);
     let mut text = String::new();
@@ -50,7 +50,7 @@ pub fn text(rows: &[Row]) -> String {
 }
 
 /// Formats the focal length, or the range of a zoom lens.
-pub fn focal_lengths(row: &Row) -> String {
+pub fn focal_lengths(row: &ListRow) -> String {
     match row.focal_range() {
         None => "-".to_owned(),
         Some([shortest, longest]) if shortest == longest => format!("{shortest:.1}"),
@@ -59,14 +59,14 @@ pub fn focal_lengths(row: &Row) -> String {
 }
 
 /// Formats the rows as a JSON array.
-pub fn json(rows: &[Row]) -> String {
+pub fn json(rows: &[ListRow]) -> String {
     let rows: Value = rows.iter().map(|row| Value::Object(row.json().clone())).collect();
     format!("{rows:#}\n")
 }
 
 /// Formats the rows as CSV (RFC 4180), with a header line. A value that is unknown is an empty cell.
-pub fn csv(rows: &[Row]) -> String {
-    let cell = |row: &Row, column: &str| match &row.json()[column] {
+pub fn csv(rows: &[ListRow]) -> String {
+    let cell = |row: &ListRow, column: &str| match &row.json()[column] {
         Value::Null => String::new(),
         Value::String(text) if text.contains([',', '"', '\n', '\r']) => {
             format!("\"{}\"", text.replace('"', "\"\""))
@@ -74,7 +74,7 @@ pub fn csv(rows: &[Row]) -> String {
         Value::String(text) => text.clone(),
         other => other.to_string(),
     };
-    let line = |row: &Row| COLUMNS.map(|column| cell(row, column)).join(",");
+    let line = |row: &ListRow| COLUMNS.map(|column| cell(row, column)).join(",");
     let lines = std::iter::once(COLUMNS.join(",")).chain(rows.iter().map(line));
     lines.map(|line| line + "\n").collect()
 }
@@ -84,12 +84,15 @@ mod tests {
     use super::*;
     use serde_json::json;
 
-    fn rows() -> [Row; 2] {
+    fn rows() -> [ListRow; 2] {
         let facts = json!({
             "title": "a, \"b\"", "focal_length_mm": 24.5, "shortest_focal_length_mm": 24.5,
             "longest_focal_length_mm": 68.0, "fnumber": 2.8, "year": 1958, "is_symmetric": true, "is_zoom": true,
         });
-        [Row::of_lens("z", "/z", facts.as_object().unwrap()), Row::of_error("w", "/w", "why\u{1b}[0m")]
+        [
+            ListRow::of_lens("z", "/z", facts.as_object().unwrap()),
+            ListRow::of_error("w", "/w", "why\u{1b}[0m"),
+        ]
     }
 
     #[test]
