@@ -49,8 +49,8 @@ const SMALL: [&[u8]; 16] = [
     b"\xFF\xFE2\x000\x00 \x005\x00 \x001\x00.\x005\x00 \x001\x000\x00\n\x00-\x002\x000\x00 \x003\x00 \x001\x00 \x009\x00",
 ];
 
-/// Lenses of other programs: sequences of Code V and OSLO, and JSON of every format.
-const OTHERS: [&[u8]; 10] = [
+/// Lenses of other programs: sequences of Code V and OSLO, and JSON of every format. The properties mutate them, too.
+pub const OTHERS: [&[u8]; 10] = [
     b"RDM;LEN \"VERSION: 11.2\"\nTITLE 'x'\nEPD 8; DIM M\nWL 656.3 587.6 &\n486.1\nREF 2\nYAN 0 5\nPRV\nPWL 656.3 587.6 486.1\n\
       'OWN' 1.514 1.517 1.523\n'NOA' LAU 2.36 0 0.025\nEND\nSO 0 1e14\nS 50 4 OWN ! front\n  ASP\n  K -0.5; A 1e-6; J 0\n  \
       CIR 12; CIR OBS L'A' 2\nS -50 2 620.603\n  REX 9; REY 8; ADY 1\n  XDE 0\nS 0 1\n  STO\nS -80 60 NBK7_SCHOTT\nS 0 40\n  \
