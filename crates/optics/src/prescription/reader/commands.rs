@@ -203,7 +203,7 @@ pub(super) fn record_fates<'c, 't: 'c>(
         match reason {
             _ if command.record.is_used() => ledger.note(Fate::Used, location, key, None, ""),
             Some(reason) => ledger.note(Fate::Informative, location, key, None, reason),
-            None => ledger.note(Fate::LeftOut, location, key, None, UNKNOWN),
+            None => ledger.unknown(location, key, None, UNKNOWN),
         }
     }
     for &location in comments {

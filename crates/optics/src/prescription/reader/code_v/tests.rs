@@ -53,6 +53,8 @@ fn every_statement_has_a_fate() {
         own.map(|finding| (finding.statement.as_str(), finding.lines())).collect::<Vec<_>>()
     };
     assert_eq!(of(Fate::LeftOut), [("CCC", vec![11])]);
+    // Its effect is not known.
+    assert!(lens.findings.iter().all(|finding| finding.may_differ == (finding.statement == "CCC")));
     assert_eq!(of(Fate::Replaced), []);
     let used = of(Fate::Used);
     for statement in ["RDM", "TIT", "EPD", "DIM", "WL", "REF", "SO", "S", "CIR", "K", "A", "XDE", "STO", "SI"]
