@@ -2,6 +2,8 @@
 
 #[path = "../../fuzz/bodies/c_abi/mod.rs"]
 pub mod c_abi;
+#[path = "../../fuzz/bodies/collection.rs"]
+mod collection;
 #[path = "../../fuzz/bodies/contract.rs"]
 mod contract;
 #[path = "../../fuzz/bodies/lens_text.rs"]
@@ -58,6 +60,18 @@ fn mutated() -> impl Strategy<Value = Vec<u8>> {
     })
 }
 
+/// Returns bytes of which some are changed.
+fn changed(bytes: &'static [u8]) -> impl Strategy<Value = Vec<u8>> {
+    proptest::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 0..6).prop_map(move |edits| {
+        let mut bytes = bytes.to_vec();
+        for (at, byte) in edits {
+            let at = at.index(bytes.len());
+            bytes[at] = byte;
+        }
+        bytes
+    })
+}
+
 fn bytes(size: usize) -> impl Strategy<Value = Vec<u8>> {
     proptest::collection::vec(any::<u8>(), 0..size)
 }
@@ -86,6 +100,23 @@ fn any_options_are_a_camera_or_an_error_with_a_message() {
     let with_text = (proptest::collection::vec(any::<u8>(), 320), mutated())
         .prop_map(|(options, text)| [options, text].concat());
     many(1000, with_text, 10, c_abi::run);
+}
+
+/// A collection as another program packs it, with a lens that is stored and one that is deflated.
+const ARCHIVE: &[u8] = include_bytes!("../golden/files/collection.zip");
+
+#[test]
+fn any_archive_is_a_collection_or_an_error() {
+    assert!(collection::run(ARCHIVE));
+    many(500, changed(ARCHIVE), 100, collection::run);
+    // Bytes behind the signature of an archive's first member, and in front of its end.
+    let end = ARCHIVE.len() - 22;
+    many(
+        500,
+        bytes(400).prop_map(move |bytes| [&ARCHIVE[..4], &bytes, &ARCHIVE[end..]].concat()),
+        0,
+        collection::run,
+    );
 }
 
 /// Returns the smallest set of inputs with the fuzzer's full coverage (`fuzz/README.md` describes how it is

@@ -102,8 +102,7 @@ impl SequentialLens {
             std::iter::once(self.object_distance).chain(self.thicknesses.iter().copied()).collect();
         let field = self.field.unwrap_or(Field::Angle(0.0));
         for i in derive_missing(self.object, &mut self.surfaces, &thicknesses, field, wavelength) {
-            let reason =
-                "no semi-diameter is stated; that of paraxial rays of the file's aperture and field is used";
+            let reason = "no semi-diameter is stated; 1.1 times that of paraxial rays of the file's aperture and field is used";
             self.warn(i, Fate::Replaced, 1, reason, ledger);
         }
         let Effective { kept, left_out } = Effective::of(self.object, &self.surfaces, &self.thicknesses);

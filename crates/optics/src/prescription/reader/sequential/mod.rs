@@ -157,8 +157,13 @@ pub(super) fn merged(effective: &[usize], thicknesses: &[f64]) -> Vec<f64> {
     (0..effective.len()).map(|row| thicknesses[effective[row]..end(row)].iter().sum()).collect()
 }
 
-/// Derives the missing semi-diameters by paraxial rays of the stop's size and the field, if the stop has a size.
-/// `thicknesses` begins with the distance of the object. Returns the surfaces whose sizes were derived.
+/// The share of the paraxial beam's height that a derived semi-diameter has. In the programs that leave sizes out, such a
+/// surface limits no ray. Exact rays are some percent higher than paraxial ones on fast surfaces; the rest of the margin
+/// costs samples of the pupil, which the stop then blocks.
+const DERIVED_MARGIN: f64 = 1.1;
+
+/// Derives the missing semi-diameters by paraxial rays of the stop's size and the field, if the stop has a size. Each
+/// leaves a margin, up to the hemisphere. `thicknesses` begins with the distance of the object. Returns the surfaces whose sizes were derived.
 pub(super) fn derive_missing(
     object: MediumBehind,
     surfaces: &mut [SequentialSurface],
@@ -177,7 +182,8 @@ pub(super) fn derive_missing(
     let mut derived = Vec::new();
     for i in missing {
         if let Some(reach) = paraxial.reach(i, stop, size, field) {
-            surfaces[i].semi_diameter = Some(reach);
+            let hemisphere = surfaces[i].curvature.abs().recip();
+            surfaces[i].semi_diameter = Some((DERIVED_MARGIN * reach).min(hemisphere));
             derived.push(i);
         }
     }

@@ -120,7 +120,7 @@ pub(super) fn read(
     }
     let field = farthest_field(&blocks);
     for i in sequential::derive_missing(in_front, &mut surfaces, &thicknesses[0], field, wavelength) {
-        let reason = "no semi-diameter (DIAM) is stated; that of paraxial rays of the file's aperture and field is used";
+        let reason = "no semi-diameter (DIAM) is stated; 1.1 times that of paraxial rays of the file's aperture and field is used";
         ledger.warn(Fate::Replaced, own[i].location, "DIAM", Some(own[i].number), reason);
     }
     let Effective { kept: effective, left_out } = Effective::of(in_front, &surfaces, &thicknesses[0][1..]);
