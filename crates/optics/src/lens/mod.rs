@@ -10,7 +10,9 @@ mod ray;
 pub mod refraction;
 pub mod single_precision;
 mod surfaces;
+mod unsymmetric;
 
 pub use figure::{Bounds, Figure};
 pub use ray::{Ray, cos4, film_ray};
 pub use surfaces::{Crossing, Lens, LensError, Surface};
+pub use unsymmetric::{RegionBounds, UnsymmetricFigure};

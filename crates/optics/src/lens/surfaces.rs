@@ -7,9 +7,9 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
-use super::figure::Figure;
+use super::{figure::Figure, unsymmetric::UnsymmetricFigure};
 use crate::prescription::{
-    Aperture, Blades, Outline, Prescription, Shape, StopPicture,
+    Aperture, Blades, CoordinateBreak, Outline, Prescription, Shape, StopPicture,
     glass::{D_LINE, refractive_index},
 };
 use realistic_base::{
@@ -27,10 +27,13 @@ pub struct Surface {
     pub radius: f64,
     /// 1/radius in 1/mm, 0 for a plane.
     pub curvature: f64,
-    /// Aspheric figure; `None` for a sphere or a plane.
+    /// Aspheric figure; `None` for a sphere or a plane, and for a surface that is not symmetric.
     pub figure: Option<Figure>,
-    /// Distance to the next vertex, mm; 0 for the last surface. Negative only beside a plane that only limits rays.
-    /// This distance keeps digits that a difference between vertices would lose.
+    /// The figure of a surface that is not symmetric about its axis; radius and curvature are then those in the meridian
+    /// y.
+    pub unsymmetric: Option<Arc<UnsymmetricFigure>>,
+    /// Distance to the next vertex, mm, along z toward the film; 0 for the last surface. Negative only beside a plane
+    /// that only limits rays, and where light travels back between mirrors. This distance keeps digits that a difference between vertices would lose.
     pub thickness: f64,
     /// Refractive index on the scene's side.
     pub n_scene: f64,
@@ -43,6 +46,12 @@ pub struct Surface {
     pub semi_diameter: f64,
     /// Whether this is the aperture stop.
     pub is_stop: bool,
+    /// Whether the surface reflects.
+    pub is_mirror: bool,
+    /// Whether light from the scene travels toward +z in front of the surface, behind an odd number of mirrors.
+    pub is_reversed: bool,
+    /// The change of frame in front of the surface; `None` on the axis.
+    pub coordinate_break: Option<CoordinateBreak>,
     /// Apertures and obstructions inside the clear aperture, with lengths in clear semi-diameters. First-order optics,
     /// focusing, beams on the axis and the tables of pupils use the clear aperture alone; rays are also tested against
     /// these.
@@ -75,14 +84,18 @@ impl Surface {
     /// Returns whether this is a plane in one medium, such as a stop or a flare stop, which limits rays and does not
     /// refract them.
     pub fn only_limits(&self) -> bool {
-        self.curvature == 0.0 && self.figure.is_none() && self.n_scene == self.n_film
+        let is_plane = self.curvature == 0.0 && self.figure.is_none() && self.unsymmetric.is_none();
+        is_plane && self.n_scene == self.n_film && !self.is_mirror
     }
 
     /// Returns the sagitta, mm: the z of the surface at the distance `height` from the axis minus the z of the vertex,
-    /// positive toward the scene. For a sphere, `height` is at most the radius of curvature.
+    /// positive toward the scene, in the meridian y. For a sphere, `height` is at most the radius of curvature.
     pub fn sagitta(&self, height: f64) -> f64 {
         if let Some(figure) = &self.figure {
             return -figure.sagitta(height);
+        }
+        if let Some(figure) = &self.unsymmetric {
+            return -figure.sagitta([0.0, height]);
         }
         let c = self.curvature;
         let root = (1.0 - (c * height).powi(2)).max(0.0).sqrt();
@@ -96,6 +109,10 @@ impl Surface {
             let [low, high] = figure.bounds.sagitta;
             return [-high, -low];
         }
+        if let Some(figure) = &self.unsymmetric {
+            let [low, high] = figure.inside.sagitta;
+            return [-high, -low];
+        }
         let edge = self.sagitta(self.semi_diameter);
         [edge.min(0.0), edge.max(0.0)]
     }
@@ -103,8 +120,13 @@ impl Surface {
     /// Returns the squared cosine of the largest angle between the axis and a normal inside the clear aperture. For an
     /// asphere this is a slightly smaller bound.
     pub fn least_cosine_squared(&self) -> f64 {
-        match &self.figure {
-            Some(figure) => 1.0 / (1.0 + figure.bounds.slope.powi(2)),
+        let slope = match (&self.figure, &self.unsymmetric) {
+            (Some(figure), _) => Some(figure.bounds.slope),
+            (None, Some(figure)) => Some(figure.inside.slope),
+            (None, None) => None,
+        };
+        match slope {
+            Some(slope) => 1.0 / (1.0 + slope.powi(2)),
             None => 1.0 - (self.semi_diameter * self.curvature).powi(2),
         }
     }
@@ -129,6 +151,8 @@ pub struct Lens {
     pub wavelength: f64,
     /// Distance from the last vertex to the film, mm, as the lens file proposes it.
     pub nominal_film_distance: Option<f64>,
+    /// The change of frame behind the last surface; `None` on the axis.
+    pub film_break: Option<CoordinateBreak>,
 }
 
 /// Reason why a lens cannot be built as requested, or lacks a property that was requested.
@@ -206,15 +230,26 @@ impl Lens {
     /// Builds the lens of a prescription at `wavelength` nm.
     pub fn new(prescription: &Prescription, wavelength: f64) -> Self {
         let mut vertex = 0.0;
+        let mut is_reversed = false;
         let mut n_scene = refractive_index(prescription.object_medium, wavelength);
         let surfaces = prescription
             .interfaces
             .iter()
             .zip(prescription.transmittances())
             .map(|(interface, transmittance)| {
-                let n_film = refractive_index(interface.medium, wavelength);
+                let n_film = if interface.is_mirror {
+                    n_scene
+                } else {
+                    refractive_index(interface.medium, wavelength)
+                };
+                let mut unsymmetric = None;
                 let (radius, figure) = match interface.shape {
                     Shape::Sphere { radius } => (radius, None),
+                    Shape::Unsymmetric(surface) => {
+                        unsymmetric =
+                            Some(Arc::new(UnsymmetricFigure::new(&surface, interface.semi_diameter)));
+                        (surface.radii()[1], None)
+                    }
                     Shape::Asphere(asphere) => {
                         let figure = Figure::new(&asphere, interface.semi_diameter);
                         // A2 contributes to the vertex curvature.
@@ -232,12 +267,16 @@ impl Lens {
                     radius,
                     curvature: radius.recip(),
                     figure,
+                    unsymmetric,
                     thickness: interface.thickness,
                     n_scene,
                     n_film,
                     absorption: transmittance.map_or(0.0, |own| own.coefficient(wavelength)),
                     semi_diameter: interface.semi_diameter,
                     is_stop: interface.is_stop,
+                    is_mirror: interface.is_mirror,
+                    is_reversed,
+                    coordinate_break: interface.coordinate_break,
                     apertures: interface
                         .apertures
                         .iter()
@@ -247,6 +286,7 @@ impl Lens {
                 };
                 vertex -= interface.thickness;
                 n_scene = n_film;
+                is_reversed ^= interface.is_mirror;
                 surface
             })
             .collect();
@@ -255,6 +295,7 @@ impl Lens {
             surfaces,
             wavelength,
             nominal_film_distance: prescription.nominal_film_distance,
+            film_break: prescription.film_break,
         };
         for Crossing { surfaces: [_, behind], is_contact, .. } in lens.crossings() {
             lens.surfaces[behind].is_contact = is_contact;
@@ -270,6 +311,18 @@ impl Lens {
     /// Builds the lens of a prescription at the d line.
     pub fn at_d_line(prescription: &Prescription) -> Self {
         Self::new(prescription, D_LINE)
+    }
+
+    /// Returns whether all surfaces are symmetric about one axis, whatever the apertures.
+    pub fn is_centred(&self) -> bool {
+        let is_round =
+            |surface: &Surface| surface.coordinate_break.is_none() && surface.unsymmetric.is_none();
+        self.film_break.is_none() && self.surfaces.iter().all(is_round)
+    }
+
+    /// Returns whether the lens has a mirror.
+    pub fn has_mirror(&self) -> bool {
+        self.surfaces.iter().any(|surface| surface.is_mirror)
     }
 
     /// Returns the surface nearest the film.

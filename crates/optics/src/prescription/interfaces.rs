@@ -12,9 +12,11 @@ use super::{
     aperture::Aperture,
     blades::Blades,
     coating::SurfaceCoating,
+    coordinate_break::CoordinateBreak,
     findings::Finding,
     glass::{InternalTransmittance, formula::Formula},
     positions::Positions,
+    unsymmetric::Unsymmetric,
 };
 
 /// The medium behind an interface, or in front of the lens.
@@ -84,6 +86,8 @@ pub enum Shape {
     },
     /// Another surface of revolution.
     Asphere(Asphere),
+    /// A surface that is not symmetric about its axis, and no plane.
+    Unsymmetric(Unsymmetric),
     /// A plane. In air a plane only limits rays, as the aperture stop or a flare stop does.
     Plane,
 }
@@ -94,7 +98,7 @@ impl Shape {
         match self {
             Self::Sphere { radius } => radius.abs(),
             Self::Asphere(asphere) => asphere.widest(),
-            Self::Plane => f64::INFINITY,
+            Self::Unsymmetric(_) | Self::Plane => f64::INFINITY,
         }
     }
 }
@@ -104,8 +108,9 @@ impl Shape {
 pub struct Interface {
     /// The figure of the interface.
     pub shape: Shape,
-    /// Distance along the axis to the next vertex, mm. The distance is negative only next to a plane that only limits
-    /// rays, because such a plane may lie within its neighbour's sagitta. It is 0 for the last interface: see
+    /// Distance along the axis to the next vertex, mm. The distance is negative behind an odd number of mirrors, next to
+    /// a coordinate break, and next to a plane that only limits rays, because such a plane may lie within its neighbour's
+    /// sagitta. It is 0 for the last interface: see
     /// [`Prescription::nominal_film_distance`].
     pub thickness: f64,
     /// The medium on the film's side.
@@ -119,6 +124,12 @@ pub struct Interface {
     pub is_stop: bool,
     /// Apertures and obstructions inside the clear aperture, with lengths in mm.
     pub apertures: Arc<[Aperture]>,
+    /// Whether the interface reflects. The medium behind it is then that in front of it, and light goes back: behind an
+    /// odd number of mirrors, thicknesses are negative.
+    pub is_mirror: bool,
+    /// The change of frame in front of the interface, behind the thickness in front of it; `None` on the axis. In front
+    /// of the first interface, the old frame is that of the camera.
+    pub coordinate_break: Option<CoordinateBreak>,
 }
 
 impl Interface {
@@ -132,6 +143,8 @@ impl Interface {
             semi_diameter,
             is_stop: false,
             apertures: Arc::default(),
+            is_mirror: false,
+            coordinate_break: None,
         }
     }
 }
@@ -147,13 +160,14 @@ pub(super) fn has_coating(object: Medium, interfaces: &[Interface]) -> impl Iter
 }
 
 /// Returns, for each surface that bends rays, the rows from that surface to just before the next such surface. The
-/// thicknesses of these rows add up to the distance between the two vertices, which is 0 or more. The planes between
+/// thicknesses of these rows add up to the distance between the two vertices, which is 0 or more along the light. The planes between
 /// the two surfaces only limit rays, and may lie within the sagitta of a neighbour. `object` is the medium in front of
 /// the lens.
 pub(super) fn spans(object: Medium, interfaces: &[Interface]) -> impl Iterator<Item = Range<usize>> {
     let media = std::iter::once(object).chain(interfaces.iter().map(|interface| interface.medium));
     let bends = |&(row, in_front): &(usize, Medium)| {
-        interfaces[row].shape != Shape::Plane || in_front != interfaces[row].medium
+        let Interface { shape, medium, is_mirror, .. } = &interfaces[row];
+        *shape != Shape::Plane || in_front != *medium || *is_mirror
     };
     let rows: Vec<usize> = (0..interfaces.len()).zip(media).filter(bends).map(|(row, _)| row).collect();
     (1..rows.len()).map(move |next| rows[next - 1]..rows[next])
@@ -173,9 +187,11 @@ pub struct Prescription {
     pub object_glass: Option<usize>,
     /// The interfaces, scene side first; at least one.
     pub interfaces: Vec<Interface>,
-    /// Distance from the last vertex to the film that the file proposes, mm: the thickness of the last row, if that is
-    /// not 0.
+    /// Distance along the light from the last vertex to the film that the file proposes, mm: the magnitude of the
+    /// thickness of the last row, if that is not 0.
     pub nominal_film_distance: Option<f64>,
+    /// The change of frame behind the last interface, in front of the distance to the film; `None` on the axis.
+    pub film_break: Option<CoordinateBreak>,
     /// The focal length that the file states, mm; for a lens with positions, the focal length of the first position.
     /// Reports and warnings compare the computed focal length with it.
     pub stated_focal_length: Option<f64>,
@@ -210,6 +226,7 @@ impl Prescription {
             object_glass: None,
             interfaces,
             nominal_film_distance: None,
+            film_break: None,
             stated_focal_length: None,
             stated: Stated::default(),
             glasses: Vec::new(),
@@ -275,9 +292,18 @@ impl Prescription {
         std::iter::once((self.object_medium, self.object_glass)).chain(behind)
     }
 
-    /// Returns whether the lens is symmetric about its axis.
+    /// Returns whether the lens, with its apertures, is symmetric about its axis.
     pub fn is_symmetric(&self) -> bool {
-        self.interfaces.iter().all(|interface| interface.apertures.iter().all(Aperture::is_symmetric))
+        let mut apertures = self.interfaces.iter().flat_map(|interface| interface.apertures.iter());
+        self.is_centred() && apertures.all(Aperture::is_symmetric)
+    }
+
+    /// Returns whether all surfaces are symmetric about one axis, whatever the apertures.
+    pub fn is_centred(&self) -> bool {
+        let is_round = |interface: &Interface| {
+            interface.coordinate_break.is_none() && !matches!(interface.shape, Shape::Unsymmetric(_))
+        };
+        self.film_break.is_none() && self.interfaces.iter().all(is_round)
     }
 
     /// Returns the lens with other gaps, mm, behind the rows `rows`. The gap of the last row, before the film, is not
@@ -302,9 +328,13 @@ impl Prescription {
             match &mut interface.shape {
                 Shape::Sphere { radius } => *radius *= factor,
                 Shape::Asphere(asphere) => *asphere = asphere.scaled(factor),
+                Shape::Unsymmetric(figure) => *figure = figure.scaled(factor),
                 Shape::Plane => {}
             }
+            let change = &mut interface.coordinate_break;
+            *change = change.map(|change| change.scaled(factor));
         }
+        scaled.film_break = self.film_break.map(|change| change.scaled(factor));
         scaled.nominal_film_distance = self.nominal_film_distance.map(|length| length * factor);
         scaled.positions = self.positions.as_ref().map(|positions| positions.scaled(factor));
         scaled.stated_focal_length = self.stated_focal_length.map(|length| length * factor);

@@ -18,6 +18,7 @@ mod aperture;
 mod blades;
 pub mod catalogue;
 mod coating;
+mod coordinate_break;
 mod findings;
 pub mod glass;
 mod interfaces;
@@ -25,6 +26,7 @@ mod picture;
 mod positions;
 mod reader;
 mod source;
+mod unsymmetric;
 mod wavelength;
 
 use thiserror::Error;
@@ -32,6 +34,7 @@ use thiserror::Error;
 pub use aperture::{Aperture, MAX_VERTICES, Outline};
 pub use blades::{BladeConstants, Blades};
 pub use coating::{AirSide, Coating, Layer, STACK, SurfaceCoating};
+pub use coordinate_break::CoordinateBreak;
 pub use findings::{Fate, Finding, Place};
 pub use glass::GlassLibrary;
 pub use interfaces::{
@@ -44,6 +47,9 @@ pub use source::{
     Collection, CollectionFile, Fault, MAX_FILES, SearchPath, SourceError, find_file, glass_library,
 };
 pub(crate) use source::{load, split_scale};
+pub use unsymmetric::{
+    Biconic, Cylinder, Meridian, PROFILE_TERMS, Toroid, Unsymmetric, UnsymmetricConstants,
+};
 
 /// An error in a lens file, shown as `file:line:column: what was expected`.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]

@@ -7,10 +7,12 @@
 //!
 //! **Method.** A ray is a point P and a vector V = n D, its direction D times the refractive index n. At each surface:
 //!
-//! 1. P is moved into the frame of the next surface's vertex: the distance between the vertices is subtracted from z.
+//! 1. P is moved into the frame of the next surface's vertex: the distance between the vertices is subtracted from z. Where
+//!    the surfaces do not share an axis, P and V are also turned (`frame_change`).
 //! 2. The ray meets a sphere or plane of curvature c at P + t V, where t = 2 f/(g + e). Here f = (c/2) P·P - z and
 //!    g = N·V at P, and e = √(g² - 2 c n² f) = n cos I at the hit (`surface`). The hit on an aspheric surface is found
-//!    by Newton's iteration, with a proof that it is the first crossing (`aspheric`).
+//!    by Newton's iteration, with a proof that it is the first crossing (`aspheric`); that on a surface which is not
+//!    symmetric by steps that cannot skip one (`unsymmetric`).
 //! 3. The point is tested against the clear aperture (`surface`) and the apertures and obstructions in it (`aperture`).
 //! 4. V is refracted by Snell's law: V' = V + (e' - e) N, where N is the unit normal, n' the index behind the surface,
 //!    and e' = √(e² + n'² - n²) = n' cos I' (W. J. Smith, *Modern Optical Engineering*). A negative number under the
@@ -23,13 +25,17 @@ use thiserror::Error;
 
 mod aperture;
 mod aspheric;
+mod frame_change;
 mod path;
 mod surface;
+mod unsymmetric;
 
 pub use aperture::{ApertureTest, ConvexTest, Edge, OutlineTest, PictureTest};
 pub use aspheric::{Aspheric, BendBound};
+pub use frame_change::FrameChange;
 pub use path::{Direction, FoldedPaths, Meeting, Path, StepKind, Walk};
 pub use surface::PathSurface;
+pub use unsymmetric::{CylinderSheet, SheetBounds, UnsymmetricSheet};
 
 pub use crate::lens::Ray;
 pub use realistic_base::numeric::Real;

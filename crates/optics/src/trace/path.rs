@@ -1,12 +1,23 @@
 //! A lens made ready for tracing in one direction. Traces rays surface by surface and reports why a ray is blocked.
 //! This code, in numbers of any type, is the reference for the fast kernel.
+//!
+//! **Spaces.** Rays on the scene's side are given in lens space. Rays on the film's side are given in *image space*, which
+//! is lens space for a lens with an axis and an even number of mirrors. In general it is the frame of the film: z points
+//! from the film along the light's way back, and the last vertex, or the point to which the coordinate break in front of
+//! the film leads, lies at the z of the last vertex. What lies between, such as the point where a ray is blocked, is
+//! given in lens space.
 
 use std::{
     borrow::{Borrow, Cow},
     sync::Arc,
 };
 
-use super::{Blocked, State, aperture::ApertureTest, surface::PathSurface};
+use super::{
+    Blocked, State,
+    aperture::ApertureTest,
+    frame_change::{self, FrameChange},
+    surface::PathSurface,
+};
 use crate::lens::{Lens, Ray, refraction::Refraction};
 use realistic_base::numeric::{Real, cross, difference_of_products, dot, in_range, unit};
 
@@ -121,6 +132,11 @@ pub struct Path<R = f64> {
     pub(super) entry: f64,
     /// The z coordinate, in lens space, of the last vertex met.
     pub(super) exit: f64,
+    /// The change of frame behind the last surface; `None` on the axis.
+    pub(super) leaving: Option<Arc<FrameChange<R>>>,
+    /// The changes from the frames of the steps to lens space, if the surfaces do not share an axis or one is a mirror
+    /// of the lens.
+    pub(super) places: Option<Arc<[FrameChange<f64>]>>,
 }
 
 impl<R: Real> Path<R> {
@@ -146,6 +162,10 @@ impl<R: Real> Path<R> {
             near < far && far < lens.surfaces.len(),
             "a ghost turns back at a surface, and again before it"
         );
+        assert!(
+            lens.is_centred() && !lens.has_mirror(),
+            "ghosts need a lens with an axis and without mirrors"
+        );
         Self::over(lens, direction, refraction, stations(lens.surfaces.len(), Some(turns)))
     }
 
@@ -163,23 +183,32 @@ impl<R: Real> Path<R> {
         }
         // Distance between a surface and the surface before it along the direction. The distance is the thickness
         // stored in whichever of the two is on the scene's side.
-        let gap = |along: usize| surfaces[if forward { along - 1 } else { along }].thickness;
+        let gap = |along: usize| {
+            let before = surfaces[if forward { along - 1 } else { along }];
+            if before.is_reversed != before.is_mirror { -before.thickness } else { before.thickness }
+        };
         // The flag for contact between two neighbours is stored in the surface on the film's side.
         let touch = |a: usize, b: usize| surfaces[if forward { a.max(b) } else { a.min(b) }].is_contact;
         let (mut last, mut last_bent) = (None, None);
-        let steps = order
+        let is_folded = !lens.is_centred() || lens.has_mirror();
+        let mut changes = if is_folded { frame_change::along(lens, forward) } else { Vec::new() };
+        let mut change = |at: usize| changes.get_mut(at).and_then(Option::take).map(Arc::new);
+        let steps: Vec<_> = order
             .map(|Station { along, is_backward, is_mirror }| {
                 let distance = last.replace(along).map_or(0.0, |last: usize| gap(last.max(along)));
                 let mut step = PathSurface::new(surfaces[along], forward != is_backward, distance);
                 if !step.only_limits() && last_bent.replace(along).is_some_and(|last| touch(last, along)) {
                     step.slack = R::from_f64(TOUCHING);
                 }
+                step.change = change(along);
                 let (along, step) = (along, PathSurface { is_backward, ..step });
                 PathSurface { along, ..if is_mirror { step.mirror() } else { step } }
             })
             .collect();
+        let leaving = change(steps.len());
+        let places = is_folded.then(|| frame_change::places(lens, forward).into());
         let (entry, exit) = (surfaces[0].vertex, surfaces[surfaces.len() - 1].vertex);
-        Self { steps, direction, refraction, entry, exit }
+        Self { steps, direction, refraction, entry, exit, leaving, places }
     }
 
     /// Returns the same path with the tests of the apertures and obstructions of `lens`, which is the lens of the
@@ -233,7 +262,7 @@ impl<R: Real> Path<R> {
         let steps = self.steps[..=mirror].to_vec();
         let length: f64 = steps.iter().map(|step| step.distance.to_f64()).sum();
         let exit = self.entry + self.travel_sign() * length;
-        Some(Self { steps, exit, ..*self })
+        Some(Self { steps, exit, leaving: None, places: None, ..*self })
     }
 
     /// Estimates the time for a ray, in units of the time for a sphere or plane. An asphere usually takes ten times as
@@ -291,11 +320,27 @@ impl<R: Real> Path<R> {
             let is_last = number + 1 == self.steps.len();
             let vertex = if is_last { self.exit } else { self.entry + travel_sign * passed };
             let [x, y, z] = state.p.map(R::to_f64);
-            point = [x, y, vertex + travel_sign * (sign * z)];
+            point = match &self.places {
+                None => [x, y, vertex + travel_sign * (sign * z)],
+                Some(places) => places[number].point([x, y, z]),
+            };
             met(number, point);
         });
         if surfaces_met == 0 {
             return Walk { ray: start, surfaces_met, blocked };
+        }
+        if let Some(places) = &self.places {
+            let ray = match blocked {
+                None => self.left(state),
+                Some(reason) => {
+                    let (last, place) = (&self.steps[surfaces_met - 1], &places[surfaces_met - 1]);
+                    let [vx, vy, vz] = state.v.map(R::to_f64);
+                    let is_turned = last.is_mirror && reason != Blocked::Clipped;
+                    let v = place.turned([vx, vy, if is_turned { -vz } else { vz }]);
+                    Ray { origin: point, direction: unit(v) }
+                }
+            };
+            return Walk { ray, surfaces_met, blocked };
         }
         let [vx, vy, vz] = state.v.map(R::to_f64);
         let last = &self.steps[surfaces_met - 1];
@@ -324,6 +369,9 @@ impl<R: Real> Path<R> {
         if let (_, Some(reason)) = self.trace_surfaces(&self.steps, &mut state, |_, _, _| ()) {
             return Err(reason);
         }
+        if let Some(leaving) = &self.leaving {
+            leaving.apply(&mut state);
+        }
         let [x, y, z] = state.p;
         let [vx, vy, vz] = state.v;
         let length = dot(state.v, state.v).sqrt();
@@ -345,7 +393,7 @@ impl<R: Real> Path<R> {
         for (number, step) in steps.into_iter().enumerate() {
             let step = step.borrow();
             let mut ahead = *state;
-            ahead.p[2] = ahead.p[2] - step.distance;
+            step.enter_frame(&mut ahead);
             let hit = if self.is_forward(&ahead, number) {
                 step.meet(&mut ahead)
             } else {
@@ -464,9 +512,13 @@ impl<R: Real> Path<R> {
         let direction = unit(ray.direction);
         let first = &self.steps[0];
         let mut state = self.enter(ray, direction, first.n);
+        first.enter_frame(&mut state);
         let is_met = self.is_forward(&state, 0) && first.meet(&mut state).is_ok();
         let [x, y, z] = state.p.map(R::to_f64);
-        let point = [x, y, self.entry + self.travel_sign() * z];
+        let point = match &self.places {
+            None => [x, y, self.entry + self.travel_sign() * z],
+            Some(places) => places[0].point([x, y, z]),
+        };
         (is_met && point.iter().all(|part| part.is_finite())).then_some(point)
     }
 
@@ -492,16 +544,20 @@ impl<R: Real> Path<R> {
         let mut state = self.enter(ray, direction, n);
         // The point of the previous meeting, in the frame of that surface's vertex, with z along the direction of
         // travel behind the surface.
-        let mut last: Option<[f64; 3]> = None;
+        let mut last: Option<[R; 3]> = None;
         let (_, blocked) = self.trace_surfaces(steps, &mut state, |_, step, state| {
             let normal = step.normal(state.p).map(R::to_f64);
             let [x, y, z] = state.p.map(R::to_f64);
-            let from = |[x0, y0, z0]: [f64; 3]| {
-                let d = [x - x0, y - y0, z + step.distance.to_f64() - z0];
+            let from = |last: [R; 3]| {
+                let mut start = State { p: last, v: last, lead: R::ZERO };
+                step.enter_frame(&mut start);
+                let [x0, y0, z0] = start.p.map(R::to_f64);
+                let d = [x - x0, y - y0, z - z0];
                 dot(d, d).sqrt()
             };
             let distance = last.map_or(0.0, from);
-            last = Some([x, y, if step.is_mirror { -z } else { z }]);
+            let [px, py, pz] = state.p;
+            last = Some([px, py, if step.is_mirror { -pz } else { pz }]);
             let point = [state.p[0], state.p[1]];
             let transmission = step.apertures.iter().map(|aperture| aperture.transmission(point)).product();
             let PathSurface { along, n_behind, is_mirror, .. } = *step;
@@ -511,10 +567,18 @@ impl<R: Real> Path<R> {
         if let Some(reason) = blocked {
             return Err(reason);
         }
+        Ok(self.left(state))
+    }
+
+    /// Returns a ray behind the last surface in the space on that side.
+    fn left(&self, mut state: State<R>) -> Ray {
+        if let Some(leaving) = &self.leaving {
+            leaving.apply(&mut state);
+        }
         let ([x, y, z], [vx, vy, vz]) = (state.p.map(R::to_f64), state.v.map(R::to_f64));
         let travel_sign = self.travel_sign();
         let origin = [x, y, self.exit + travel_sign * z];
-        Ok(Ray { origin, direction: unit([vx, vy, travel_sign * vz]) })
+        Ray { origin, direction: unit([vx, vy, travel_sign * vz]) }
     }
 
     /// Returns the ray as it leaves the lens.
@@ -545,7 +609,7 @@ impl<R: Real> Path<R> {
             lead: moved * length / n,
         };
         self.steps.iter().enumerate().all(|(surface, step)| {
-            state.p[2] = state.p[2] - step.distance;
+            step.enter_frame(&mut state);
             if !self.is_forward(&state, surface) || step.meet(&mut state).is_err() {
                 return false;
             }
@@ -574,7 +638,7 @@ impl FoldedPaths {
         let count = lens.surfaces.len();
         // A path with mirrors at both ends meets the surfaces from one mirror to the other backward.
         let mut back = direct.steps.clone();
-        if count > 1 {
+        if count > 1 && lens.is_centred() && !lens.has_mirror() {
             let folded = Path::reflected(lens, direction, refraction, [0, count - 1]).with_apertures(lens);
             for step in folded.steps.into_iter().filter(|step| step.is_backward) {
                 let along = step.along;
@@ -600,6 +664,6 @@ impl FoldedPaths {
 
     /// Returns a separate path with the reflections `turns`.
     pub fn path(&self, turns: Option<[usize; 2]>) -> Path {
-        Path { steps: self.steps(turns).map(Cow::into_owned).collect(), ..self.direct }
+        Path { steps: self.steps(turns).map(Cow::into_owned).collect(), ..self.direct.clone() }
     }
 }

@@ -10,7 +10,10 @@
 
 use std::sync::Arc;
 
-use super::{Blocked, State, aperture::ApertureTest, aspheric::Aspheric};
+use super::{
+    Blocked, State, aperture::ApertureTest, aspheric::Aspheric, frame_change::FrameChange,
+    unsymmetric::UnsymmetricSheet,
+};
 use crate::lens::{
     Surface,
     refraction::{self, Refraction},
@@ -35,10 +38,14 @@ pub struct PathSurface<R> {
     pub n_behind: f64,
     /// Distance from the previous surface's vertex, mm; 0 for the first surface.
     pub distance: R,
+    /// The change to the frame of this surface, in place of the distance, if the surfaces do not share an axis.
+    pub change: Option<Arc<FrameChange<R>>>,
     /// 1/radius; positive if the centre lies ahead.
     pub curvature: R,
     /// The asphere, if the surface is neither a sphere nor a plane.
     pub aspheric: Option<Arc<Aspheric<R>>>,
+    /// The surface, if it is not symmetric about its axis.
+    pub unsymmetric: Option<Arc<UnsymmetricSheet<R>>>,
     /// Refractive index of the medium before the surface.
     pub n: R,
     /// Refractive index of the medium in which the ray continues.
@@ -57,11 +64,13 @@ pub struct PathSurface<R> {
 }
 
 impl<R: Real> PathSurface<R> {
-    /// Prepares a surface of a lens for a direction of travel. `distance` is the distance from the vertex of the
-    /// previous surface.
-    pub fn new(surface: &Surface, forward: bool, distance: f64) -> Self {
+    /// Prepares a surface of a lens for rays that come from the scene's side (`from_scene`) or from the film's.
+    /// `distance` is the distance from the vertex of the previous surface.
+    pub fn new(surface: &Surface, from_scene: bool, distance: f64) -> Self {
         let Surface { n_scene, n_film, radius, curvature, semi_diameter, .. } = *surface;
-        let (n, n_after) = if forward { (n_scene, n_film) } else { (n_film, n_scene) };
+        let (n, n_after) = if from_scene { (n_scene, n_film) } else { (n_film, n_scene) };
+        // Both sides of a mirror lie on the same side of the surface.
+        let forward = surface.is_reversed != (from_scene || surface.is_mirror);
         // A type wider than double computes the reciprocal and the difference of squares itself. For the other types,
         // both are computed in double and rounded once.
         let (curvature, index_step) = if R::EPSILON < f64::EPSILON {
@@ -76,11 +85,16 @@ impl<R: Real> PathSurface<R> {
         Self {
             along: 0,
             is_backward: false,
-            is_mirror: false,
+            is_mirror: surface.is_mirror,
             n_behind: n_after,
             distance: R::from_f64(distance),
+            change: None,
             curvature: if forward { curvature } else { -curvature },
             aspheric: surface.figure.map(|figure| Arc::new(Aspheric::new(&figure, forward, n))),
+            unsymmetric: surface
+                .unsymmetric
+                .as_ref()
+                .map(|figure| Arc::new(UnsymmetricSheet::new(figure, forward))),
             n: R::from_f64(n),
             n_after: R::from_f64(n_after),
             index_step,
@@ -112,7 +126,17 @@ impl<R: Real> PathSurface<R> {
 
     /// Returns whether this is a plane within one medium: a stop or a flare stop.
     pub fn only_limits(&self) -> bool {
-        self.curvature == R::ZERO && self.index_step == R::ZERO && self.aspheric.is_none() && !self.is_mirror
+        let is_plane = self.curvature == R::ZERO && self.aspheric.is_none() && self.unsymmetric.is_none();
+        is_plane && self.index_step == R::ZERO && !self.is_mirror
+    }
+
+    /// Takes a ray from the frame of the previous surface's vertex to that of this one.
+    #[inline(always)]
+    pub(super) fn enter_frame(&self, state: &mut State<R>) {
+        match &self.change {
+            None => state.p[2] = state.p[2] - self.distance,
+            Some(change) => change.apply(state),
+        }
     }
 
     /// Moves the ray, given in the frame of this surface's vertex, to the surface.
@@ -122,6 +146,9 @@ impl<R: Real> PathSurface<R> {
     pub fn meet(&self, state: &mut State<R>) -> Result<(), Blocked> {
         if let Some(aspheric) = &self.aspheric {
             return aspheric.meet(state, self.slack);
+        }
+        if let Some(unsymmetric) = &self.unsymmetric {
+            return unsymmetric.meet(state, self.slack);
         }
         let State { p, v, lead } = state;
         let c = self.curvature;
@@ -171,6 +198,9 @@ impl<R: Real> PathSurface<R> {
     pub fn normal(&self, point: [R; 3]) -> [R; 3] {
         if let Some(aspheric) = &self.aspheric {
             return aspheric.normal(point);
+        }
+        if let Some(unsymmetric) = &self.unsymmetric {
+            return unsymmetric.normal(point);
         }
         let ([x, y, z], c) = (point, self.curvature);
         [-c * x, -c * y, R::ONE - c * z]

@@ -131,6 +131,7 @@ fn row(text: &Text<'_>, cells: &[Cell<'_>]) -> Result<(SurfaceRow, u32), LensFil
         diameter: text.number(size, "a semi-aperture in mm")?,
         asphere: None,
         apertures: Vec::new(),
+        general: Default::default(),
     };
     Ok((row, layers))
 }

@@ -241,6 +241,7 @@ fn row(
         diameter: stated(diameter, "aperture")?,
         asphere: (kind.0 == "aspheric").then_some(Asphere { radius: f64::INFINITY, conic, terms }),
         apertures: Vec::new(),
+        general: Default::default(),
     })
 }
 

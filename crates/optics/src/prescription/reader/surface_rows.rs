@@ -5,8 +5,10 @@ use super::{ledger::Ledger, text::Location};
 use crate::prescription::{
     Fate, LensFileError, MAX_INTERFACES,
     aperture::Aperture,
+    coordinate_break::CoordinateBreak,
     interfaces::{Asphere, Glass, Interface, Medium, Shape, spans},
     positions::Positions,
+    unsymmetric::Unsymmetric,
 };
 use realistic_base::message::{as_given, short};
 
@@ -61,6 +63,18 @@ pub(super) struct SurfaceRow {
     pub asphere: Option<Asphere>,
     /// Apertures and obstructions inside the clear aperture, with lengths in mm.
     pub apertures: Vec<Aperture>,
+    pub general: General,
+}
+
+/// What a surface has that is no refracting surface of revolution on the axis.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct General {
+    /// The figure, if it is not symmetric about its axis. The row's radius is then infinite.
+    pub unsymmetric: Option<Unsymmetric>,
+    /// Whether the surface reflects; the medium behind it is then that in front of it.
+    pub is_mirror: bool,
+    /// The change of frame in front of the surface.
+    pub coordinate_break: Option<CoordinateBreak>,
 }
 
 /// A function that returns the error for a row's number, counted from 0, and the fault in that row.
@@ -93,7 +107,7 @@ pub(super) fn interfaces(
         return Err(at(MAX_INTERFACES, &message));
     }
     let has_stop_row = rows.iter().any(|row| row.role == Role::Stop);
-    let mut in_front = object;
+    let mut in_front = MediumBehind::from(object);
     let mut stop: Option<usize> = None;
     let mut replaced = |row: usize, statement: &str, reason: String| {
         let LensFileError { line, column, message, .. } = at(row, &reason);
@@ -101,8 +115,10 @@ pub(super) fn interfaces(
     };
     let mut interfaces = Vec::with_capacity(rows.len());
     for (number, row) in rows.iter().enumerate() {
-        let MediumBehind { medium, glass } = checked(row.behind, |reason| replaced(number, "index", reason));
-        let in_air = in_front == Medium::Air && medium == Medium::Air;
+        let behind = if row.general.is_mirror { in_front } else { row.behind };
+        let behind = checked(behind, |reason| replaced(number, "index", reason));
+        let MediumBehind { medium, glass } = behind;
+        let in_air = in_front.medium == Medium::Air && medium == Medium::Air && !row.general.is_mirror;
         let mut semi_diameter = row.diameter / 2.0;
         // Half of the smallest positive number is 0, and twice the largest is infinite.
         if !(semi_diameter > 0.0 && semi_diameter.is_finite()) {
@@ -110,7 +126,9 @@ pub(super) fn interfaces(
             return Err(at(number, &format!("clear diameter {diameter} mm: expected a positive number")));
         }
         let figure = row.asphere.filter(|asphere| !is_conic_alone(asphere) || asphere.conic != 0.0);
-        let is_plane = row.radius.is_infinite() && figure.is_none_or(|figure| is_conic_alone(&figure));
+        let unsymmetric = row.general.unsymmetric.filter(|figure| !figure.is_plane());
+        let is_straight = row.radius.is_infinite() && unsymmetric.is_none();
+        let is_plane = is_straight && figure.is_none_or(|figure| is_conic_alone(&figure));
         if row.role == Role::FlareStop && !(is_plane && in_air) {
             return Err(at(
                 number,
@@ -119,6 +137,7 @@ pub(super) fn interfaces(
         }
         let shape = match figure {
             _ if is_plane => Shape::Plane,
+            _ if unsymmetric.is_some() => unsymmetric.map_or(Shape::Plane, Shape::Unsymmetric),
             Some(_) if in_air && row.radius.is_infinite() => {
                 return Err(at(number, "an asphere between air and air bends no ray; give it a glass"));
             }
@@ -149,8 +168,18 @@ pub(super) fn interfaces(
         }
         let thickness = row.thickness;
         let apertures = row.apertures.iter().cloned().collect();
-        interfaces.push(Interface { shape, thickness, medium, glass, semi_diameter, is_stop, apertures });
-        in_front = medium;
+        interfaces.push(Interface {
+            shape,
+            thickness,
+            medium,
+            glass,
+            semi_diameter,
+            is_stop,
+            apertures,
+            is_mirror: row.general.is_mirror,
+            coordinate_break: row.general.coordinate_break.filter(|change| change.along_axis() != Some(0.0)),
+        });
+        in_front = behind;
     }
     in_order(object, &interfaces, at)?;
     Ok(interfaces)
@@ -186,15 +215,27 @@ pub(super) fn in_order(object: Medium, interfaces: &[Interface], at: AtRow<'_>) 
         );
         at(number, &message)
     };
-    let is_negative = |row: &usize| interfaces[*row].thickness < 0.0;
+    let signs = light_signs(interfaces);
+    let along = |row: usize| signs[row] * interfaces[row].thickness;
     for mut span in spans(object, interfaces) {
-        let distance: f64 = interfaces[span.clone()].iter().map(|interface| interface.thickness).sum();
-        if let Some(negative) = span.find(is_negative).filter(|_| distance < 0.0) {
+        let is_turned =
+            interfaces[span.start + 1..=span.end].iter().any(|next| next.coordinate_break.is_some());
+        let distance: f64 = span.clone().map(along).sum();
+        if let Some(negative) = span.find(|&row| along(row) < 0.0).filter(|_| distance < 0.0 && !is_turned) {
             return Err(wrong(negative));
         }
     }
     let last = interfaces.len() - 1;
-    if is_negative(&last) { Err(wrong(last)) } else { Ok(()) }
+    if along(last) < 0.0 { Err(wrong(last)) } else { Ok(()) }
+}
+
+/// Returns the sign of the light's travel along z behind each interface: -1 behind an odd number of mirrors.
+pub(super) fn light_signs(interfaces: &[Interface]) -> Vec<f64> {
+    let turned = |sign: &mut f64, interface: &Interface| {
+        *sign = if interface.is_mirror { -*sign } else { *sign };
+        Some(*sign)
+    };
+    interfaces.iter().scan(1.0, turned).collect()
 }
 
 /// Checks at each of the positions that the vertices are in order, as [`in_order`] does.

@@ -46,6 +46,7 @@ pub(super) fn read(
         is_fixed: aperture.clip.is_some() || !aperture.others.is_empty(),
         apertures: aperture.others,
         is_stop,
+        general: Default::default(),
     })
 }
 

@@ -119,6 +119,7 @@ fn surface(
         apertures: Vec::new(),
         is_fixed: true,
         is_stop,
+        general: Default::default(),
     })
 }
 

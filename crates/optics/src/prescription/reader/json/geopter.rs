@@ -119,6 +119,7 @@ fn surface(
         is_fixed: clip.is_some(),
         apertures: Vec::new(),
         is_stop,
+        general: Default::default(),
     })
 }
 

@@ -275,6 +275,7 @@ fn surface(
         apertures,
         is_fixed: true,
         is_stop: part.flag("is_stop")?,
+        general: Default::default(),
     };
     Ok((surface, layers))
 }

@@ -85,6 +85,7 @@ fn surface(
         apertures: Vec::new(),
         is_fixed: true,
         is_stop: radius == 0.0 && ior.node.number() == Some(0.0),
+        general: Default::default(),
     })
 }
 

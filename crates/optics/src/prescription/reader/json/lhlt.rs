@@ -191,6 +191,7 @@ fn surface(
         apertures: size.apertures,
         is_fixed: size.is_fixed,
         is_stop: part.flag("IsStop")?,
+        general: Default::default(),
     })
 }
 

@@ -268,6 +268,7 @@ fn surface(
         is_fixed: clip.is_some() || !apertures.is_empty(),
         apertures,
         is_stop,
+        general: Default::default(),
     })
 }
 

@@ -119,6 +119,7 @@ fn surface<'t>(
         diameter: text.number(&diameter, "a clear diameter in mm")?,
         asphere: None,
         apertures: Vec::new(),
+        general: Default::default(),
     };
     Ok((thickness, surface))
 }

@@ -223,6 +223,7 @@ fn surface(
         apertures: Vec::new(),
         is_fixed: is_checked,
         is_stop: block.find("AST").inspect(|statement| _ = statement.record.values()).is_some(),
+        general: Default::default(),
     })
 }
 

@@ -8,7 +8,7 @@ mod lens;
 mod paraxial;
 
 use super::{
-    surface_rows::{MediumBehind, Role, SurfaceRow},
+    surface_rows::{General, MediumBehind, Role, SurfaceRow},
     text::{Location, Text},
 };
 use crate::prescription::{
@@ -16,6 +16,7 @@ use crate::prescription::{
     glass::VALID_WAVELENGTHS,
     interfaces::{Asphere, AsphereTerms, FIRST_POWER, LAST_POWER, Medium, NO_TERMS, Prescription, Shape},
     positions::{Position, Positions},
+    unsymmetric::{PROFILE_TERMS, Unsymmetric},
 };
 pub(super) use lens::{SequentialLens, SurfacePlaces};
 pub(super) use paraxial::{Aperture, Field, FieldKind, Paraxial};
@@ -51,6 +52,7 @@ pub(super) struct SequentialSurface {
     /// semi-diameter from rays.
     pub is_fixed: bool,
     pub is_stop: bool,
+    pub general: General,
 }
 
 /// Returns a wavelength in nm, rounded to the intended decimal number, because 0.58756 times 1000 is not exactly 587.56.
@@ -215,6 +217,7 @@ pub(super) fn surface_row(
         diameter: 2.0 * surface.semi_diameter?,
         asphere: surface.asphere.filter(|_| !is_plane),
         apertures: surface.apertures.clone(),
+        general: surface.general,
     })
 }
 
@@ -261,9 +264,18 @@ pub(super) fn has_range(lens: &Prescription) -> bool {
             Shape::Asphere(asphere) => {
                 asphere.radius != 0.0 && asphere.terms.iter().all(|term| term.is_finite())
             }
+            Shape::Unsymmetric(figure) => {
+                let has_range = |radius: f64| radius != 0.0 && !radius.is_nan();
+                let terms = match figure {
+                    Unsymmetric::Toroid(toroid) => toroid.terms,
+                    Unsymmetric::Biconic(_) => [0.0; PROFILE_TERMS],
+                };
+                figure.radii().into_iter().all(has_range) && terms.iter().all(|term| term.is_finite())
+            }
             Shape::Plane => true,
         };
-        shape && interface.thickness.is_finite() && is_length(interface.semi_diameter)
+        let is_finite = interface.coordinate_break.is_none_or(|change| change.is_finite());
+        shape && is_finite && interface.thickness.is_finite() && is_length(interface.semi_diameter)
     });
     let mut columns = lens.positions.iter().flat_map(|positions| &positions.columns);
     let columns = columns.all(|column| {

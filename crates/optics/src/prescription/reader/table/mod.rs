@@ -1,5 +1,5 @@
 //! The project's own table. [`lines`] splits the text into lines of words. [`glasses`], [`statements`], [`apertures`],
-//! [`coatings`] and [`columns`] read the lines that begin with a keyword, and [`rows`] reads the other lines.
+//! [`general`], [`coatings`] and [`columns`] read the lines that begin with a keyword, and [`rows`] reads the other lines.
 //! `docs/lens-format.md` has the grammar.
 //!
 //! There are two kinds of table. **Four columns**, as in the assignment and in pbrt: every row has radius, thickness,
@@ -13,6 +13,7 @@
 mod apertures;
 mod coatings;
 mod columns;
+mod general;
 mod glasses;
 mod lines;
 mod rows;
@@ -29,6 +30,7 @@ use crate::prescription::{
     interfaces::{Medium, Prescription},
 };
 use columns::TableColumns;
+use general::GeneralLines;
 use glasses::Glasses;
 use lines::{Line, Lines};
 use realistic_base::message::nearest;
@@ -50,6 +52,7 @@ pub(super) fn read(
     let blades = statements::blades(&mut lines)?;
     let apertures = apertures::take(&mut lines)?;
     let coatings = coatings::take(&mut lines)?;
+    let general = GeneralLines::take(&mut lines)?;
     let in_front = statements::medium(&mut lines, &glasses, ledger)?;
     let wavelength = statements::wavelength(&mut lines)?;
     let columns = TableColumns::take(&mut lines)?;
@@ -73,18 +76,20 @@ pub(super) fn read(
     }
     statements::give_aspheres(&lines, &aspheres, &mut rows)?;
     apertures::give(&lines, apertures, &mut rows)?;
+    let film_break = general.give(&lines, &mut rows)?;
     statements::make_stop(&lines, stop.as_ref(), &mut rows)?;
     let (positions, stated) = columns.read(&lines, &rows, &mut stated_focal_length)?;
     let at = |row: usize, message: &str| lines.error(&table[row][0], message);
     let mut interfaces = surface_rows::interfaces(&rows, in_front.medium, &at, ledger)?;
     surface_rows::positions_in_order(in_front.medium, &interfaces, positions.as_ref(), &at)?;
     let coatings = coatings::of_surfaces(&lines, &coatings, in_front.medium, &interfaces)?;
-    let back = std::mem::take(&mut interfaces.last_mut().expect("at least one row").thickness);
+    let back = std::mem::take(&mut interfaces.last_mut().expect("at least one row").thickness).abs();
     let mut lens = Prescription {
         title: lines.title.clone(),
         object_medium: in_front.medium,
         object_glass: in_front.glass,
         nominal_film_distance: (back > 0.0).then_some(back),
+        film_break,
         stated_focal_length,
         stated,
         glasses: glasses.used(&lines)?,
@@ -190,10 +195,14 @@ fn misspelt_keyword(lines: &Lines<'_>) -> Result<(), LensFileError> {
             "absorption",
             "aperture",
             "asphere",
+            "biconic",
             "blades",
+            "break",
             "coating",
             "medium",
+            "mirror",
             "obstruction",
+            "toroid",
             "wavelength",
         ]
         .into_iter()

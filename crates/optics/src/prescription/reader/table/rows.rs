@@ -43,6 +43,7 @@ pub(super) fn of_four(
         diameter: lines.number(diameter, "a clear diameter in mm")?,
         asphere: None,
         apertures: Vec::new(),
+        general: Default::default(),
     })
 }
 
@@ -91,7 +92,16 @@ pub(super) fn of_five(
         word => lines.number(word, "a thickness in mm")?,
     };
     let diameter = lines.number(diameter, "a clear diameter in mm")?;
-    Ok(SurfaceRow { radius, role, thickness, behind, diameter, asphere: None, apertures: Vec::new() })
+    Ok(SurfaceRow {
+        radius,
+        role,
+        thickness,
+        behind,
+        diameter,
+        asphere: None,
+        apertures: Vec::new(),
+        general: Default::default(),
+    })
 }
 
 /// Reads a medium from the words for its index or name and for its V-number.

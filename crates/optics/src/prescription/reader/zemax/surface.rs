@@ -61,6 +61,7 @@ pub(super) fn read(
         apertures,
         is_fixed,
         is_stop: block.find("STOP").inspect(|record| _ = record.values()).is_some(),
+        general: Default::default(),
     })
 }
 
