@@ -62,17 +62,13 @@ impl CoordinateBreak {
         let columns: [[f64; 3]; 3] = std::array::from_fn(column);
         let rotation = std::array::from_fn(|i| std::array::from_fn(|j| columns[j][i]));
         let shift = std::array::from_fn(|i| self.shift[i] + moved[i]);
-        Self { rotation, shift }.without_rounding()
-    }
-
-    fn without_rounding(mut self) -> Self {
-        let flat = self.rotation.as_flattened().iter().zip(Self::NONE.rotation.as_flattened());
-        if flat.clone().all(|(own, none)| (own - none).abs() <= ROUNDING) {
-            self.rotation = Self::NONE.rotation;
-            let size = self.shift.iter().fold(0.0_f64, |size, part| size.max(part.abs()));
-            self.shift = self.shift.map(|part| if part.abs() <= ROUNDING * size { 0.0 } else { part });
+        let is_turned = !std::iter::zip(columns.as_flattened(), Self::NONE.rotation.as_flattened())
+            .all(|(own, none)| (own - none).abs() <= ROUNDING);
+        if is_turned {
+            return Self { rotation, shift };
         }
-        self
+        let size = self.shift.iter().chain(&next.shift).fold(0.0_f64, |size, part| size.max(part.abs()));
+        Self::shifted(shift.map(|part| if part.abs() <= ROUNDING * size { 0.0 } else { part }))
     }
 
     /// Returns the change back.
