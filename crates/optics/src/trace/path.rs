@@ -201,6 +201,9 @@ impl<R: Real> Path<R> {
                     step.slack = R::from_f64(TOUCHING);
                 }
                 step.change = change(along);
+                if step.change.is_some() {
+                    step.distance = R::ZERO;
+                }
                 let (along, step) = (along, PathSurface { is_backward, ..step });
                 PathSurface { along, ..if is_mirror { step.mirror() } else { step } }
             })
@@ -486,6 +489,11 @@ impl<R: Real> Path<R> {
     /// Returns the z coordinate of the last vertex met, in lens space, mm.
     pub fn exit(&self) -> f64 {
         self.exit
+    }
+
+    /// Returns the change of frame behind the last surface; `None` on the axis.
+    pub fn leaving(&self) -> Option<&FrameChange<R>> {
+        self.leaving.as_deref()
     }
 
     /// Returns the direction of travel.

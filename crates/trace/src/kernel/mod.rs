@@ -12,7 +12,7 @@
 //! Modules in order: `surface` collects the data of each surface, with the facts that the shapes of its neighbours
 //! prove; `table` converts each surface to a step, within the growth of rounding errors that `rounding` allows;
 //! `ray_arrays` loads a caller's rays into vectors of lanes; `trace` takes a `group` of vectors through the steps, each
-//! of which is a method in `ray_lanes` or, for aspheres, in `asphere`; `outline` tests shaped apertures; `carried` is
+//! of which is a method in `ray_lanes`, for aspheres in `asphere`, and for other figures in `unsymmetric`; `outline` tests shaped apertures; `carried` is
 //! the data that rays carry along, such as the media at each ray's own wavelength (`dispersion`); `instances` compiles
 //! all of this for each instruction set in `simd`. `clearance` runs the same loop for searches, and measures how near
 //! rays come to the edges of `apertures`.
@@ -86,6 +86,7 @@ mod rounding;
 mod surface;
 mod table;
 mod trace;
+mod unsymmetric;
 
 pub use clearance::{ClearanceTracer, FilmRay};
 pub use dispersion::Own;

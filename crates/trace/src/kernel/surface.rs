@@ -10,7 +10,7 @@
 //! the mirror toward the side ahead, as it leaves any other surface. The proofs for the next surface and the
 //! intersection with it are thus the same as without a mirror, also for aspheres.
 
-use realistic_optics::trace::{ApertureTest, Aspheric, PathSurface};
+use realistic_optics::trace::{ApertureTest, Aspheric, FrameChange, PathSurface, UnsymmetricSheet};
 
 /// Largest |R|/n, in clear semi-diameters, of a strongly curved surface. Without the division, t has an error of the
 /// rounding unit times |R|/n, however near the surface is. This limit is the smallest at which the lenses of the
@@ -32,6 +32,10 @@ pub struct CompiledSurface<'a> {
     pub c: f64,
     /// The asphere, if the surface is neither a sphere nor a plane.
     pub aspheric: Option<&'a Aspheric<f64>>,
+    /// The surface, if it is not symmetric about its axis.
+    pub unsymmetric: Option<&'a UnsymmetricSheet<f64>>,
+    /// The change to the frame of this surface, if it does not share the axis of the last one.
+    pub change: Option<&'a FrameChange<f64>>,
     /// Refractive index before the surface, relative to that before the first surface.
     pub n: f64,
     /// n'² - n² of these relative indices.
@@ -39,7 +43,7 @@ pub struct CompiledSurface<'a> {
     pub aperture: f64,
     pub semi: f64,
     pub slack: f64,
-    /// Distance from the last surface that moved the ray.
+    /// Distance from the last surface that moved the ray; to the vertex where the frame changes, if it does.
     pub distance: f64,
     pub tests: Tests,
     /// Whether the surface reflects rays; then `index_step` is 0.
@@ -48,8 +52,8 @@ pub struct CompiledSurface<'a> {
     pub apertures: &'a [ApertureTest<f64>],
     /// Whether this is a plane that only limits rays: a test, which does not move the ray.
     pub is_still: bool,
-    /// Whether this is a plane that only limits rays and is the first surface: the ray is moved to it, and the
-    /// distance that it has come is passed on.
+    /// Whether this is a plane that only limits rays and is the first surface, or in a new frame: the ray is moved to it,
+    /// and the distance that it has come is passed on.
     pub leads: bool,
     /// Whether this is the next surface that moves the ray behind a plane that leads; the slack of such a surface is
     /// measured from the ray's origin.
@@ -79,7 +83,11 @@ pub fn surfaces(steps: &[PathSurface<f64>], travel_sign: f64, epsilon: f64) -> V
     let clear_part = |step: &PathSurface<f64>| ClearPart {
         curvature: step.curvature,
         semi_diameter: step.aperture.sqrt(),
-        aspheric: step.aspheric.as_ref().map(|aspheric| aspheric.extent),
+        extent: step
+            .aspheric
+            .as_ref()
+            .map(|aspheric| aspheric.extent)
+            .or(step.unsymmetric.as_ref().map(|sheet| sheet.inside.extent)),
     };
     let mut moved: Option<ClearPart> = None;
     let mut distance = 0.0;
@@ -89,20 +97,27 @@ pub fn surfaces(steps: &[PathSurface<f64>], travel_sign: f64, epsilon: f64) -> V
         |step: &PathSurface<f64>| Tests { forward: travel_sign > 0.0 || step.curvature == 0.0, onward: true };
     // Rays leave the lens at the last surface, whatever its form.
     let last = steps.iter().rposition(|step| !step.only_limits()).unwrap_or(0);
-    let mut is_led = false;
+    let mut is_led = steps.first().is_some_and(|first| first.change.is_some());
     let first_index = steps.first().map_or(1.0, |step| step.n);
     for (i, step) in steps.iter().enumerate() {
         distance += step.distance;
         let here = clear_part(step);
-        let is_still = moved.is_some() && i < last && step.only_limits();
-        let mut tests = moved.map_or(unknown(step), |moved| tests_between(moved, here, distance));
+        let change = step.change.as_deref();
+        let is_still = moved.is_some() && i < last && step.only_limits() && change.is_none();
+        let mut tests = match (moved, change) {
+            (_, Some(_)) => Tests { forward: true, onward: true },
+            (None, None) => unknown(step),
+            (Some(moved), None) => tests_between(moved, here, distance),
+        };
         // A plane that only limits rays need not lie ahead of its neighbours. If the first surface is such a plane, the
         // test behind it depends on the ray's origin.
         tests.onward = (tests.onward || is_led) && !step.only_limits();
-        let leads = moved.is_none() && step.only_limits();
+        let leads = (moved.is_none() || change.is_some()) && step.only_limits();
         surfaces.push(CompiledSurface {
             c: step.curvature,
             aspheric: step.aspheric.as_deref(),
+            unsymmetric: step.unsymmetric.as_deref(),
+            change,
             n: step.n / first_index,
             index_step: step.index_step / (first_index * first_index),
             aperture: step.aperture,
@@ -132,8 +147,8 @@ struct ClearPart {
     curvature: f64,
     /// Clear semi-diameter.
     semi_diameter: f64,
-    /// The least and the greatest z of an aspheric part.
-    aspheric: Option<[f64; 2]>,
+    /// The least and the greatest z of a part that is neither a sphere nor a plane.
+    extent: Option<[f64; 2]>,
 }
 
 /// The tests that a ray between two surfaces still needs.
@@ -152,8 +167,8 @@ const MARGIN: f64 = 1e-5;
 impl ClearPart {
     /// Returns the part with z reversed.
     fn seen_from_ahead(self) -> Self {
-        let aspheric = self.aspheric.map(|[least, greatest]| [-greatest, -least]);
-        Self { curvature: -self.curvature, aspheric, ..self }
+        let extent = self.extent.map(|[least, greatest]| [-greatest, -least]);
+        Self { curvature: -self.curvature, extent, ..self }
     }
 
     fn sagitta(self, height: f64) -> f64 {
@@ -163,7 +178,7 @@ impl ClearPart {
 
     /// Returns the least and the greatest z of the part.
     fn extent(self) -> [f64; 2] {
-        if let Some(extent) = self.aspheric {
+        if let Some(extent) = self.extent {
             return extent;
         }
         let edge_sagitta = self.sagitta(self.semi_diameter);
@@ -179,7 +194,7 @@ impl ClearPart {
             return false;
         }
         // The difference of two sagittae is monotonic in height, so that testing the edge and the vertex suffices.
-        let near = ClearPart { curvature: ball, semi_diameter: height, aspheric: None }.sagitta(height);
+        let near = ClearPart { curvature: ball, semi_diameter: height, extent: None }.sagitta(height);
         let edge = ahead + self.sagitta(height);
         let inside_near = ahead > margin && edge > near + margin;
         let far = if ball > 0.0 { 2.0 / ball } else { f64::INFINITY };
@@ -192,7 +207,7 @@ fn tests_between(from: ClearPart, to: ClearPart, distance: f64) -> Tests {
     // A ray that leaves `from` into a ball does not come from inside the ball, and so can meet a part inside the ball
     // only ahead. Traced backward, the same holds for the ball that the ray leaves at `to`.
     let reversed = ClearPart { curvature: -from.curvature, ..from };
-    let both_balls = from.aspheric.or(to.aspheric).is_none();
+    let both_balls = from.extent.or(to.extent).is_none();
     let inside = || to.is_inside(from.curvature, distance) || reversed.is_inside(-to.curvature, distance);
     let ahead = both_balls && inside();
     // If every point of `to` lies ahead in z, t and Vz have the same sign.
@@ -211,13 +226,13 @@ mod tests {
     use super::*;
 
     fn clear_part(radius: f64, semi_diameter: f64) -> ClearPart {
-        ClearPart { curvature: radius.recip(), semi_diameter, aspheric: None }
+        ClearPart { curvature: radius.recip(), semi_diameter, extent: None }
     }
 
     #[test]
     fn planes_and_thick_biconvex_elements_need_no_tests() {
         let none = Tests { forward: false, onward: false };
-        let plane = ClearPart { curvature: 0.0, semi_diameter: 10.0, aspheric: None };
+        let plane = ClearPart { curvature: 0.0, semi_diameter: 10.0, extent: None };
         assert_eq!(tests_between(plane, plane, 0.1), none);
         assert_eq!(tests_between(clear_part(20.0, 5.0), clear_part(-20.0, 5.0), 3.0), none);
     }

@@ -9,8 +9,9 @@ use super::{
     asphere::{Conic, LaneAsphere},
     rounding::{AxialStep, RoundingGrowth},
     surface::{CompiledSurface, Tests, Transfer, surfaces},
+    unsymmetric::{Frame, LaneCylinder, LaneSheet},
 };
-use realistic_optics::trace::{ApertureTest, Aspheric, Direction, Path};
+use realistic_optics::trace::{ApertureTest, Aspheric, Direction, Path, UnsymmetricSheet};
 use realistic_simd::Scalar;
 
 /// The test of a sphere's clear aperture.
@@ -134,6 +135,12 @@ pub enum Step<S> {
     Aperture(Box<ShapedAperture<S>>),
     /// A conic section of revolution.
     Conic(Conic<S>),
+    /// A cylinder whose section is a conic.
+    Cylinder(LaneCylinder<S>),
+    /// A toroid or a biconic.
+    Sheet(Box<LaneSheet<S>>),
+    /// A change to the frame of the next surface.
+    Frame(Box<Frame<S>>),
     /// Reflection at the sphere or plane to which the previous step has moved the rays.
     Mirror(Mirror<S>),
     /// A surface with terms, boxed so that the other steps stay small.
@@ -145,14 +152,17 @@ pub enum Step<S> {
 impl<S> Step<S> {
     /// Whether this is the step of its surface at which rays are refracted.
     pub fn refracts(&self) -> bool {
-        !matches!(self, Self::Stop(_) | Self::Aperture(_) | Self::Mirror(_) | Self::Renormalise(_))
+        !matches!(
+            self,
+            Self::Stop(_) | Self::Aperture(_) | Self::Mirror(_) | Self::Renormalise(_) | Self::Frame(_)
+        )
     }
 }
 
 /// A lens compiled for one direction. All indices are relative to that of the medium before the first surface.
 #[derive(Clone, Debug)]
 pub struct Table<S> {
-    /// Steps in order. The first step is never a link or a stop; a ray enters it in the frame of the first vertex.
+    /// Steps in order. The first step meets rays anywhere, in the frame of the first vertex, or is a change to that frame.
     pub steps: Box<[Step<S>]>,
     /// The index of each step's surface, counted along the path.
     pub surfaces: Box<[usize]>,
@@ -204,7 +214,11 @@ impl<S: Scalar> Table<S> {
         // The last surface that moved the ray, and whether it passes N_z on.
         let mut last: Option<(&CompiledSurface<'_>, bool)> = None;
         for (i, surface) in surfaces.iter().enumerate() {
-            let transfer = transfer(last, surface.distance);
+            let mut transfer = transfer(last, surface.distance);
+            if let Some(change) = surface.change {
+                steps.push(Step::Frame(Box::new(Frame::new(change, transfer))));
+                transfer = FROM_Z.rounded();
+            }
             if surface.is_still {
                 steps.push(Step::Stop(Stop { transfer, aperture: S::from_f64(surface.aperture) }));
                 steps.extend(shaped(surface.apertures, transfer));
@@ -233,6 +247,7 @@ impl<S: Scalar> Table<S> {
                 StepForm::Aspheric(aspheric) => {
                     (Step::Asphere(Box::new(LaneAsphere::new(aspheric, surface, transfer))), false)
                 }
+                StepForm::Unsymmetric(sheet) => (unsymmetric(sheet, surface, transfer), false),
                 StepForm::Sphere { far } => {
                     (Step::Sphere(sphere(surface, n, transfer, far, carries_normal)), carries_normal)
                 }
@@ -241,7 +256,7 @@ impl<S: Scalar> Table<S> {
                 steps.push(Step::Renormalise([S::from_f64(1.5), S::from_f64(-0.5 / (n * n))]));
             }
             steps.push(step);
-            if surface.is_mirror && surface.aspheric.is_none() {
+            if surface.is_mirror && surface.aspheric.is_none() && surface.unsymmetric.is_none() {
                 steps.push(Step::Mirror(mirror(surface, carries_normal)));
             }
             last = Some((surface, carries_normal));
@@ -254,6 +269,11 @@ impl<S: Scalar> Table<S> {
             [only] => only.n_after / only.n,
             [] => 1.0,
         };
+        if let Some(change) = path.leaving() {
+            steps.push(Step::Frame(Box::new(Frame::new(change, transfer(last, 0.0)))));
+            numbers.push(surfaces.len() - 1);
+            last = None;
+        }
         let (factor, offset) = match last {
             Some((surface, true)) => (-travel_sign / surface.c, path.exit() + travel_sign / surface.c),
             _ => (travel_sign, path.exit()),
@@ -286,6 +306,7 @@ enum StepForm<'a> {
     Still,
     Plane,
     Aspheric(&'a Aspheric<f64>),
+    Unsymmetric(&'a UnsymmetricSheet<f64>),
     Sphere {
         far: bool,
     },
@@ -306,10 +327,11 @@ fn forms<'a>(surfaces: &[CompiledSurface<'a>], amplification: f64) -> Vec<StepFo
         let reach =
             AxialStep { distance: c * distance, index_ratio: (1.0 + index_step / (n * n)).sqrt().recip() };
         let far = reach.distance.abs() > FAR;
-        if let Some(aspheric) = surface.aspheric {
+        let figure = surface.aspheric.map(StepForm::Aspheric);
+        if let Some(figure) = figure.or(surface.unsymmetric.map(StepForm::Unsymmetric)) {
             // The errors are those behind a plane, because the point is on the surface and N·V is computed there.
             let before = last.map_or(RoundingGrowth::NONE, |(_, growth)| growth);
-            forms.push(StepForm::Aspheric(aspheric));
+            forms.push(figure);
             let growth = before.through_plane(reach.index_ratio);
             last = Some((surface, if surface.is_mirror { growth.through_mirror() } else { growth }));
             continue;
@@ -318,6 +340,8 @@ fn forms<'a>(surfaces: &[CompiledSurface<'a>], amplification: f64) -> Vec<StepFo
             Some((_, growth)) if c == 0.0 => (StepForm::Plane, growth.through_plane(reach.index_ratio)),
             None if c == 0.0 => (StepForm::Plane, RoundingGrowth::NONE),
             None => (StepForm::Sphere { far }, RoundingGrowth::NONE),
+            // In a new frame the ray is met anew from the vertex plane.
+            Some(_) if surface.change.is_some() => (StepForm::Sphere { far: true }, RoundingGrowth::NONE),
             Some((last, growth)) => {
                 let (form, growth) = match link(last, surface, amplification) {
                     Some(link) => {
@@ -338,13 +362,33 @@ fn forms<'a>(surfaces: &[CompiledSurface<'a>], amplification: f64) -> Vec<StepFo
     forms
 }
 
+/// Transfer from a height that is already z in the frame of the next vertex.
+const FROM_Z: Transfer<f64> = Transfer { factor: -1.0, offset: 0.0 };
+
+impl Transfer<f64> {
+    fn rounded<S: Scalar>(self) -> Transfer<S> {
+        Transfer { factor: S::from_f64(self.factor), offset: S::from_f64(self.offset) }
+    }
+}
+
+fn unsymmetric<S: Scalar>(
+    sheet: &UnsymmetricSheet<f64>,
+    surface: &CompiledSurface<'_>,
+    transfer: Transfer<S>,
+) -> Step<S> {
+    match &sheet.cylinder {
+        Some(cylinder) => Step::Cylinder(LaneCylinder::new(sheet, cylinder, surface, transfer)),
+        None => Step::Sheet(Box::new(LaneSheet::new(sheet, surface, transfer))),
+    }
+}
+
 fn transfer<S: Scalar>(last: Option<(&CompiledSurface<'_>, bool)>, distance: f64) -> Transfer<S> {
     let (factor, offset) = match last {
         Some((last, true)) => (last.c_behind().recip(), distance - last.c_behind().recip()),
         Some((last, false)) if last.is_mirror => (1.0, distance),
         _ => (-1.0, distance),
     };
-    Transfer { factor: S::from_f64(factor), offset: S::from_f64(offset) }
+    Transfer { factor, offset }.rounded()
 }
 
 /// Returns the steps of the apertures of a surface; `transfer` leads to the surface.
@@ -416,7 +460,7 @@ fn sphere<S: Scalar>(
 /// [`LINK_ROUNDING`] in t.
 fn link(last: &CompiledSurface<'_>, surface: &CompiledSurface<'_>, limit: f64) -> Option<Link<f64>> {
     let CompiledSurface { c, n, .. } = *surface;
-    if last.aspheric.is_some() {
+    if last.aspheric.is_some() || last.unsymmetric.is_some() || surface.change.is_some() {
         return None;
     }
     let curved = last.c != 0.0 && c != 0.0 && last.is_strong() && surface.is_strong();

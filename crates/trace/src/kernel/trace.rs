@@ -142,6 +142,27 @@ fn trace_steps<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>, const U: usize>
                     carried.cross(cpu, number, state, &crossing);
                 }
             }
+            Step::Cylinder(cylinder) => {
+                for (ray, state) in rays.iter_mut().zip(states) {
+                    let minus_z = ray.minus_z(cpu, &cylinder.transfer);
+                    let lead = ray.lead(cylinder.common.is_led).unwrap_or(L::splat(cpu, L::Scalar::ZERO));
+                    let crossing = ray.cylinder(cpu, cylinder, carried.media(state), minus_z, lead);
+                    carried.cross(cpu, number, state, &crossing);
+                }
+            }
+            Step::Sheet(sheet) => {
+                for (ray, state) in rays.iter_mut().zip(states) {
+                    let minus_z = ray.minus_z(cpu, &sheet.transfer);
+                    let lead = ray.lead(sheet.common.is_led).unwrap_or(L::splat(cpu, L::Scalar::ZERO));
+                    let crossing = ray.sheet(cpu, sheet, carried.media(state), minus_z, lead);
+                    carried.cross(cpu, number, state, &crossing);
+                }
+            }
+            Step::Frame(frame) => {
+                for ray in rays {
+                    ray.frame(cpu, frame);
+                }
+            }
             // This step is unrolled for the whole group, in which some vectors may be idle, and for a pair of vectors.
             // Searches for edges use whole groups only.
             Step::Asphere(asphere) => {

@@ -75,16 +75,17 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         [to_plane, last.larger(L::splat(cpu, common.lowest) * inverse)]
     }
 
-    /// Tests the aperture and refracts at a point of the surface. V' = V + Γ N with Γ = K/(N·V + √((N·V)² + K N·N)). At
-    /// a mirror Γ = -2 N·V/N·N, and z is reversed behind the mirror.
+    /// Tests the aperture and returns Γ, for V' = V + Γ N, and the new N·V. Γ = K/(N·V + √((N·V)² + K N·N)), and
+    /// -2 N·V/N·N at a mirror; `facing` is N·V, `square` N·N.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn bend_at(
+    pub fn gain(
         &mut self,
         cpu: Cpu<L>,
         common: &Common<L::Scalar>,
         media: impl Media<L>,
-        Normal { m, q, facing, square, distance }: Normal<L>,
-    ) -> Crossing<L> {
+        facing: L,
+        square: L,
+    ) -> [L; 2] {
         self.meet_aperture(cpu, self.height_squared(), L::splat(cpu, common.aperture));
         let step = media.index_step(cpu, common.index_step);
         let facing_squared = facing * facing;
@@ -93,6 +94,20 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         let zero = L::splat(cpu, L::Scalar::ZERO);
         let after = after_squared.sqrt();
         let gain = if common.is_mirror { (zero - facing - facing) / square } else { step / (facing + after) };
+        [gain, after]
+    }
+
+    /// Tests the aperture and refracts or reflects at a point of the surface. Behind a mirror z is reversed.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn bend_at(
+        &mut self,
+        cpu: Cpu<L>,
+        common: &Common<L::Scalar>,
+        media: impl Media<L>,
+        Normal { m, q, facing, square, distance }: Normal<L>,
+    ) -> Crossing<L> {
+        let zero = L::splat(cpu, L::Scalar::ZERO);
+        let [gain, after] = self.gain(cpu, common, media, facing, square);
         let across = m * gain;
         self.vx = across.neg_mul_add(self.x, self.vx);
         self.vy = across.neg_mul_add(self.y, self.vy);

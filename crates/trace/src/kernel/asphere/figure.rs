@@ -82,7 +82,7 @@ impl<S: Scalar> LaneBend<S> {
     }
 }
 
-/// Constants common to conics and surfaces with terms.
+/// Constants common to surfaces that are neither spheres nor planes.
 #[derive(Clone, Copy, Debug)]
 pub struct Common<S> {
     /// n'² - n².
@@ -104,10 +104,11 @@ pub struct Common<S> {
 }
 
 impl<S: Scalar> Common<S> {
-    fn new(aspheric: &Aspheric<f64>, surface: &CompiledSurface<'_>, start: f64) -> Self {
+    /// Builds the constants of a surface that rays approach from the plane z = `start`. `lowest` is the least z, with a
+    /// margin for double precision, and `tolerance` is its rounding error there.
+    pub fn new(surface: &CompiledSurface<'_>, start: f64, [lowest, tolerance]: [f64; 2]) -> Self {
         let rounding = S::EPSILON / f64::EPSILON;
-        // The extent has a margin for double precision.
-        let lowest = aspheric.extent[0] - (rounding - 1.0) * 16.0 * aspheric.tolerance;
+        let lowest = lowest - (rounding - 1.0) * 16.0 * tolerance;
         Self {
             index_step: S::from_f64(surface.index_step),
             rarer: surface.index_step < 0.0,
@@ -137,7 +138,7 @@ impl<S: Scalar> Conic<S> {
             ck: S::from_f64(c * (kappa - 1.0)),
             minus_kappa_c: S::from_f64(-kappa * c),
             c2: S::from_f64(c * c),
-            common: Common::new(aspheric, surface, 0.0),
+            common: Common::new(surface, 0.0, [aspheric.extent[0], aspheric.tolerance]),
         }
     }
 }
@@ -148,7 +149,8 @@ impl<S: Scalar> LaneAsphere<S> {
         let start = Self::start(aspheric);
         let tolerance = rounding * aspheric.tolerance / 16.0;
         let plan = NewtonPlan::of(aspheric, start, tolerance / 2.0);
-        Self::by_plan(aspheric, Common::new(aspheric, surface, start), transfer, tolerance, &plan)
+        let common = Common::new(surface, start, [aspheric.extent[0], aspheric.tolerance]);
+        Self::by_plan(aspheric, common, transfer, tolerance, &plan)
     }
 
     /// Returns the mean of the least and the greatest z. From a plane there, the first step is half as long, and leaves

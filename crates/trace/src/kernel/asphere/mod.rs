@@ -12,4 +12,4 @@ mod figure;
 mod newton;
 mod plan;
 
-pub(crate) use figure::{Conic, LaneAsphere, Profile};
+pub(crate) use figure::{Common, Conic, LaneAsphere, Profile};
