@@ -2,8 +2,9 @@
 //! with closed forms and with the same lens described otherwise.
 
 use realistic_optics::{
-    lens::{Lens, Ray},
-    prescription::read,
+    imaging::focus::Focus,
+    lens::{Lens, Ray, first_order::FirstOrder},
+    prescription::{Meridian, read},
     trace::{Blocked, Path, Walk},
 };
 
@@ -151,4 +152,55 @@ fn rays_that_no_surface_meets_are_reported() {
     let path = Path::<f64>::scene_to_film(&telescope).with_apertures(&telescope);
     let blocked = |x: f64| path.walk(Ray { origin: [x, 3.0, 9.0], direction: [0.0, 0.0, -1.0] }).blocked;
     assert_eq!([blocked(3.0), blocked(16.0)], [Some(Blocked::Clipped), None]);
+}
+
+#[test]
+fn mirrors_and_folds_have_the_first_order_optics_of_the_unfolded_lens() {
+    let first_order = |text: &str| FirstOrder::of(&lens(text)).expect("not afocal");
+    // f = f_primary times the magnification of the secondary.
+    let back = (1.0 / 50.0 - 2.0 / 142.857142857142857_f64).recip();
+    let telescope = first_order(CASSEGRAIN);
+    assert!((telescope.focal_length - 150.0 * back / 50.0).abs() < 1e-10, "{telescope:?}");
+    assert!((telescope.back_focal_distance() - back).abs() < 1e-10);
+    let straight = first_order("50 5 1.5 20\n-50 90 1 20\n");
+    let folded = first_order(
+        "50 5 1.5 20\n-50 50 1 20\ninf -40 1 40\nmirror 3\nbreak 3 tilt_x=45\nbreak film tilt_x=45\n",
+    );
+    assert!((folded.focal_length - straight.focal_length).abs() < 1e-8, "{folded:?} {straight:?}");
+    assert!((folded.back_focal_distance() + 50.0 - straight.back_focal_distance()).abs() < 1e-8);
+    // Film distances of exact rays agree as well.
+    let film = |text: &str, distance: f64| Focus::new(&lens(text)).expect("focuses").film_distance(distance);
+    let rows = "50 5 1.5 20\n-50 20 1 20\n";
+    let fold = "inf -40 1 60\nmirror 3\nbreak 3 tilt_x=45\nbreak film tilt_x=45\n";
+    let [plain, turned] =
+        [rows.to_owned(), format!("{rows}{fold}")].map(|text| film(&text, f64::INFINITY).expect("a film"));
+    assert!((plain - 20.0 - turned).abs() < 1e-9, "{plain} {turned}");
+}
+
+/// Two cylinders that make an afocal squeeze of 2 in x in front of a lens.
+const ANAMORPHIC: &str = "-100 2 1.5 40\ninf 96 1 40\n200 4 1.5 40\ninf 10 1 40\n80 5 1.5 20\n-80 70 1 20\n\
+                          toroid 1 profile=x\ntoroid 3 profile=x\n";
+
+#[test]
+fn a_pair_of_cylinders_squeezes_one_meridian() {
+    let lens = lens(ANAMORPHIC);
+    let of = |meridian| FirstOrder::in_meridian(&lens, meridian).expect("not afocal");
+    let [x, y] = [Meridian::X, Meridian::Y].map(of);
+    // Thick lenses by Gauss's formula, with plates and gaps reduced: the matrix of two powers at a distance.
+    let powers = [-0.5 / 100.0, 0.5 / 200.0];
+    let (reduced, block) = (2.0 / 1.5 + 96.0, 4.0 / 1.5 + 10.0);
+    let a = 1.0 - reduced * powers[0];
+    let c = -(powers[0] + powers[1] - reduced * powers[0] * powers[1]);
+    let power = |height: f64, slope: f64| {
+        let height = height + block * slope;
+        let curved = 0.5 / 80.0;
+        let slope = slope - curved * height;
+        -(slope - curved * (height + 5.0 / 1.5 * slope))
+    };
+    assert!((x.focal_length.recip() - power(a, c)).abs() < 1e-15, "{x:?}");
+    assert!((y.focal_length.recip() - power(1.0, 0.0)).abs() < 1e-15, "{y:?}");
+    // The film lies between the foci of the two meridians.
+    let film = Focus::new(&lens).expect("focuses").film_distance(f64::INFINITY).expect("a film");
+    let foci = [x.back_focal_distance(), y.back_focal_distance()];
+    assert!(film > foci[0].min(foci[1]) - 1.0 && film < foci[0].max(foci[1]), "{film} {foci:?}");
 }

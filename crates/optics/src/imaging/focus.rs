@@ -37,6 +37,46 @@ pub struct AxialImage {
     start: f64,
     rear_vertex: f64,
     rule: [(f64, f64); GAUSS_POINTS],
+    /// The azimuths of the rays, as unit vectors: one for a lens with an axis, else all around.
+    azimuths: Vec<[f64; 2]>,
+}
+
+/// Number of azimuths of the rays of a lens that is not symmetric.
+const AZIMUTHS: u32 = 16;
+
+fn all_around() -> Vec<[f64; 2]> {
+    let azimuth = |i: u32| f64::from(i) * std::f64::consts::TAU / f64::from(AZIMUTHS);
+    (0..AZIMUTHS).map(|i| azimuth(i).sin_cos().into()).collect()
+}
+
+/// The sums over a bundle from which its best image follows, of points p and slopes s in the plane of the rear vertex.
+#[derive(Clone, Copy, Debug, Default)]
+struct BundleSums {
+    weight: f64,
+    point: [f64; 2],
+    slope: [f64; 2],
+    /// p·p, p·s and s·s.
+    products: [f64; 3],
+}
+
+impl BundleSums {
+    fn add(&mut self, weight: f64, [p, s]: [[f64; 2]; 2]) {
+        self.weight += weight;
+        for i in 0..2 {
+            self.point[i] += weight * p[i];
+            self.slope[i] += weight * s[i];
+            for (sum, (a, b)) in self.products.iter_mut().zip([(p[i], p[i]), (p[i], s[i]), (s[i], s[i])]) {
+                *sum += weight * a * b;
+            }
+        }
+    }
+
+    /// Returns the products about the bundle's centre.
+    fn central(&self) -> [f64; 3] {
+        let ([px, py], [sx, sy]) = (self.point, self.slope);
+        let of_means = [px * px + py * py, px * sx + py * sy, sx * sx + sy * sy];
+        std::array::from_fn(|i| (self.products[i] - of_means[i] / self.weight) / self.weight)
+    }
 }
 
 /// The plane in which an axial point's bundle is narrowest.
@@ -60,43 +100,59 @@ impl AxialImage {
             start: in_front(lens),
             rear_vertex: lens.rear().vertex,
             rule: gauss_legendre(),
+            azimuths: if lens.is_centred() { vec![[0.0, 1.0]] } else { all_around() },
         }
     }
 
     /// Returns the best image of the axial point 1/`vergence` mm in front of the first vertex. A vergence of 0 stands
-    /// for a point at infinity.
+    /// for a point at infinity. The bundle of a lens that is not symmetric is narrowest about its centre.
     pub fn best(&self, vergence: f64) -> BestImage {
-        let passes = |fraction: f64| self.image_side(vergence, fraction).is_some();
+        let mut sums = BundleSums::default();
+        let mut widest = 0.0_f64;
+        for &azimuth in &self.azimuths {
+            let margin = self.margin(vergence, azimuth);
+            widest = widest.max(margin);
+            // A uniform sampling of the pupil's area is uniform in the square of the fraction.
+            for (area, weight) in self.rule {
+                if let Some(ray) = self.image_side(vergence, margin * area.sqrt(), azimuth) {
+                    let sector = if self.azimuths.len() > 1 { margin * margin } else { 1.0 };
+                    sums.add(weight * sector, ray);
+                }
+            }
+        }
+        // One azimuth stands for all; the centre is then on the axis.
+        let [heights, product, square] = if self.azimuths.len() > 1 { sums.central() } else { sums.products };
+        let distance = -product / square;
+        BestImage { distance, spot: (heights + distance * product).max(0.0).sqrt(), margin: widest }
+    }
+
+    /// Returns the largest fraction of the entrance pupil's radius at which rays of an azimuth get through.
+    fn margin(&self, vergence: f64, azimuth: [f64; 2]) -> f64 {
+        let passes = |fraction: f64| self.image_side(vergence, fraction, azimuth).is_some();
         let mut blocked = 1.0;
         while passes(blocked) && blocked < 8.0 {
             blocked *= 1.125;
         }
-        let [low, high] = self.around_the_edge(vergence, blocked, passes).unwrap_or([0.0, blocked]);
-        let margin =
-            edge(0.0, blocked, 0.0, |fraction| fraction <= low || fraction < high && passes(fraction));
-        // A uniform sampling of the pupil's area is uniform in the square of the fraction.
-        let (mut heights, mut product, mut square) = (0.0, 0.0, 0.0);
-        for (area, weight) in self.rule {
-            if let Some((height, slope)) = self.image_side(vergence, margin * area.sqrt()) {
-                heights += weight * height * height;
-                product += weight * height * slope;
-                square += weight * slope * slope;
-            }
-        }
-        let distance = -product / square;
-        BestImage { distance, spot: (heights + distance * product).max(0.0).sqrt(), margin }
+        let [low, high] = self.around_the_edge(vergence, blocked, azimuth, passes).unwrap_or([0.0, blocked]);
+        edge(0.0, blocked, 0.0, |fraction| fraction <= low || fraction < high && passes(fraction))
     }
 
     /// Brackets the fraction of the entrance pupil's radius, below `blocked`, at which rays begin to be clipped. A ray
     /// at the first end of the bracket gets through, and a ray at the second end does not. Bisection then needs to
     /// search only between the two ends. `None` if no bracket is found.
-    fn around_the_edge(&self, vergence: f64, blocked: f64, passes: impl Fn(f64) -> bool) -> Option<[f64; 2]> {
+    fn around_the_edge(
+        &self,
+        vergence: f64,
+        blocked: f64,
+        azimuth: [f64; 2],
+        passes: impl Fn(f64) -> bool,
+    ) -> Option<[f64; 2]> {
         /// Half widths of the bracket around the root of the excess, relative to that root.
         const WIDTHS: [f64; 2] = [1e-14, 1e-12];
-        if !self.excess(vergence, blocked).is_finite() {
+        if !self.excess(vergence, blocked, azimuth).is_finite() {
             return None;
         }
-        let found = root(0.0, blocked, |fraction| self.excess(vergence, fraction));
+        let found = root(0.0, blocked, |fraction| self.excess(vergence, fraction, azimuth));
         let around = |width: f64| [found * (1.0 - width), found * (1.0 + width)];
         let brackets = |&[low, high]: &[f64; 2]| high <= blocked && passes(low) && !passes(high);
         WIDTHS.map(around).into_iter().find(brackets)
@@ -105,13 +161,14 @@ impl AxialImage {
     /// Returns the maximum, over the surfaces, of the ratio of height to clear semi-diameter, minus 1, for the ray
     /// aimed at `fraction` of the entrance pupil's radius. The result is infinite if the ray ends although it is inside
     /// all apertures.
-    fn excess(&self, vergence: f64, fraction: f64) -> f64 {
+    fn excess(&self, vergence: f64, fraction: f64, azimuth: [f64; 2]) -> f64 {
         let (height, slope) = self.entrance.marginal_ray(vergence, fraction);
+        let start = height - slope * self.start;
         let mut most = 0.0_f64;
         let through = self.path.intersections(
             self.start,
-            [0.0, height - slope * self.start],
-            [0.0, slope],
+            azimuth.map(|part| part * start),
+            azimuth.map(|part| part * slope),
             |intersection| {
                 most = most.max(intersection.ratio);
                 true
@@ -120,15 +177,17 @@ impl AxialImage {
         if through || most > 1.0 { most.sqrt() - 1.0 } else { f64::INFINITY }
     }
 
-    /// Returns the height and the slope, in the plane of the rear vertex, of the ray from the axial point of this
-    /// vergence to `fraction` of the entrance pupil's radius. The slope is dy/ds, where s points toward the film.
-    fn image_side(&self, vergence: f64, fraction: f64) -> Option<(f64, f64)> {
+    /// Returns the point and the slopes, in the plane of the rear vertex, of the ray from the axial point of this vergence
+    /// to `fraction` of the entrance pupil's radius at an azimuth. The slopes are those by s, which points toward the
+    /// film.
+    fn image_side(&self, vergence: f64, fraction: f64, [across, up]: [f64; 2]) -> Option<[[f64; 2]; 2]> {
         let (height, slope) = self.entrance.marginal_ray(vergence, fraction);
-        let origin = [0.0, height - slope * self.start, self.start];
-        let ray = self.path.trace(Ray { origin, direction: [0.0, slope, -1.0] }).ok()?;
-        let slope = ray.direction[1] / -ray.direction[2];
-        let height = ray.origin[1] + slope * (ray.origin[2] - self.rear_vertex);
-        Some((height, slope))
+        let start = height - slope * self.start;
+        let origin = [across * start, up * start, self.start];
+        let ray = self.path.trace(Ray { origin, direction: [across * slope, up * slope, -1.0] }).ok()?;
+        let slopes = [0, 1].map(|i| ray.direction[i] / -ray.direction[2]);
+        let point = [0, 1].map(|i| ray.origin[i] + slopes[i] * (ray.origin[2] - self.rear_vertex));
+        Some([point, slopes])
     }
 }
 

@@ -4,6 +4,7 @@
 //! with the lecture's recipe, which traces exact rays very near the axis.
 
 use super::{Lens, LensError, Ray};
+use crate::{prescription::Meridian, trace::Path};
 
 /// A ray-transfer matrix, which acts on (height y, optical slope n dy/ds), where s is counted from scene to film. The
 /// determinant of the matrix is 1.
@@ -32,36 +33,68 @@ impl Abcd {
         Self { a: self.a + reduced * self.c, b: self.b + reduced * self.d, ..self }
     }
 
-    /// Returns the matrix from the vertex of surface `from` to the vertex of surface `to`. The matrix includes the
-    /// refraction at `from` only if `refract_first`, and always includes the refraction at the surfaces after `from` up
-    /// to `to`. Surfaces are counted from the scene.
-    fn between(lens: &Lens, from: usize, refract_first: bool, to: usize) -> Self {
+    /// Returns the matrix, in a meridian, from the vertex of surface `from` to the vertex of surface `to`. The matrix
+    /// includes the refraction at `from` only if `refract_first`, and always includes the refraction at the surfaces
+    /// after `from` up to `to`. Surfaces are counted from the scene. Changes of frame are left out.
+    fn between(lens: &Lens, meridian: Meridian, from: usize, refract_first: bool, to: usize) -> Self {
         let mut matrix = Self::IDENTITY;
         for (number, surface) in lens.surfaces.iter().enumerate().take(to + 1).skip(from) {
             if number > from {
                 // The difference between the vertices would lose digits far from the first vertex.
-                matrix = matrix.transferred(lens.surfaces[number - 1].thickness / surface.n_scene);
+                matrix = matrix.transferred(lens.surfaces[number - 1].distance_behind() / surface.n_scene);
             }
             if number > from || refract_first {
-                matrix = matrix.refracted((surface.n_film - surface.n_scene) * surface.curvature);
+                matrix = matrix.refracted(surface.power(meridian));
             }
         }
         matrix
     }
 
-    /// Returns the matrix of the whole lens, from the front vertex to the rear vertex.
-    pub fn of_lens(lens: &Lens) -> Self {
-        Self::between(lens, 0, true, lens.surfaces.len() - 1)
+    /// Returns the matrix of the whole lens in a meridian, from the front vertex to the rear vertex. For surfaces that do
+    /// not share an axis it is that of rays beside the ray which enters along the axis (parabasal rays).
+    pub fn of_lens(lens: &Lens, meridian: Meridian) -> Self {
+        let is_turned = lens.film_break.is_some()
+            || lens.surfaces.iter().any(|surface| surface.coordinate_break.is_some());
+        let parabasal = if is_turned { Self::parabasal(lens, meridian) } else { None };
+        parabasal.unwrap_or_else(|| Self::between(lens, meridian, 0, true, lens.surfaces.len() - 1))
+    }
+
+    /// Returns the matrix by differences of exact rays, of fourth order in their distance; `None` if such a ray misses a
+    /// surface.
+    fn parabasal(lens: &Lens, meridian: Meridian) -> Option<Self> {
+        let path = Path::<f64>::scene_to_film(lens).without_edges();
+        let i = usize::from(meridian == Meridian::Y);
+        let [n_scene, n_film] = lens.outer_indices();
+        // The height in the plane of the rear vertex, and the optical slope there.
+        let trace = |height: f64, slope: f64| {
+            let (mut origin, mut direction) = ([0.0; 3], [0.0, 0.0, -1.0]);
+            (origin[i], direction[i]) = (height, slope);
+            let Ray { origin, direction } = path.trace(Ray { origin, direction }).ok()?;
+            let slope = direction[i] / -direction[2];
+            Some([origin[i] + slope * (origin[2] - path.exit()), n_film * slope])
+        };
+        let sizes = lens.surfaces.iter().map(|surface| surface.semi_diameter);
+        let step = PARABASAL * sizes.fold(f64::INFINITY, f64::min);
+        let derivative = |ray: &dyn Fn(f64) -> Option<[f64; 2]>, step: f64| {
+            let [far_below, below, above, far_above] =
+                [ray(-2.0 * step)?, ray(-step)?, ray(step)?, ray(2.0 * step)?];
+            let four =
+                |i: usize| (8.0 * (above[i] - below[i]) - (far_above[i] - far_below[i])) / (12.0 * step);
+            Some([four(0), four(1)])
+        };
+        let [a, c] = derivative(&|height| trace(height, 0.0), step)?;
+        let [b, d] = derivative(&|slope| trace(0.0, slope), PARABASAL)?;
+        Some(Self { a, b: b / n_scene, c, d: d / n_scene })
     }
 
     /// Returns the matrix from the front vertex to the vertex plane of surface `index`, including the refraction there.
     pub(super) fn in_front_of(lens: &Lens, index: usize) -> Self {
-        Self::between(lens, 0, true, index)
+        Self::between(lens, Meridian::Y, 0, true, index)
     }
 
     /// Returns the matrix from the vertex plane of surface `index`, without the refraction there, to the rear vertex.
     pub(super) fn behind(lens: &Lens, index: usize) -> Self {
-        Self::between(lens, index, false, lens.surfaces.len() - 1)
+        Self::between(lens, Meridian::Y, index, false, lens.surfaces.len() - 1)
     }
 }
 
@@ -91,17 +124,28 @@ pub struct FirstOrder {
     pub rear_vertex: f64,
 }
 
+/// Distance of parabasal rays in the smallest semi-diameter, and their slope. The differences are then exact to 1e-11.
+const PARABASAL: f64 = 2e-3;
+
 /// Power below which the lens is afocal, as a fraction of the sum of the magnitudes of the surfaces' powers.
 const AFOCAL: f64 = 1e-12;
 
 impl FirstOrder {
-    /// Computes the cardinal points by ABCD matrices.
+    /// Computes the cardinal points by ABCD matrices, in the meridian y for a lens that is not symmetric.
     ///
     /// # Errors
     /// The lens is afocal.
     pub fn of(lens: &Lens) -> Result<Self, LensError> {
-        let matrix = Abcd::of_lens(lens);
-        let powers: f64 = lens.surfaces.iter().map(|s| ((s.n_film - s.n_scene) * s.curvature).abs()).sum();
+        Self::in_meridian(lens, Meridian::Y)
+    }
+
+    /// Computes the cardinal points in a meridian. The film's side is image space (see `trace::path`).
+    ///
+    /// # Errors
+    /// The lens is afocal in this meridian.
+    pub fn in_meridian(lens: &Lens, meridian: Meridian) -> Result<Self, LensError> {
+        let matrix = Abcd::of_lens(lens, meridian);
+        let powers: f64 = lens.surfaces.iter().map(|surface| surface.power(meridian).abs()).sum();
         if !(matrix.c.abs() > AFOCAL * powers) {
             return Err(LensError::Afocal { lens: lens.name.clone() });
         }

@@ -9,7 +9,7 @@ use thiserror::Error;
 
 use super::{figure::Figure, unsymmetric::UnsymmetricFigure};
 use crate::prescription::{
-    Aperture, Blades, CoordinateBreak, Outline, Prescription, Shape, StopPicture,
+    Aperture, Blades, CoordinateBreak, Meridian, Outline, Prescription, Shape, StopPicture,
     glass::{D_LINE, refractive_index},
 };
 use realistic_base::{
@@ -86,6 +86,26 @@ impl Surface {
     pub fn only_limits(&self) -> bool {
         let is_plane = self.curvature == 0.0 && self.figure.is_none() && self.unsymmetric.is_none();
         is_plane && self.n_scene == self.n_film && !self.is_mirror
+    }
+
+    /// Returns the curvature in a meridian, 1/mm; positive if the centre lies ahead of light from the scene.
+    pub fn curvature_ahead(&self, meridian: Meridian) -> f64 {
+        let curvature = match (&self.unsymmetric, meridian) {
+            (Some(figure), Meridian::X) => figure.surface.radii()[0].recip(),
+            _ => self.curvature,
+        };
+        if self.is_reversed { -curvature } else { curvature }
+    }
+
+    /// Returns the power of the surface in a meridian, 1/mm: (n' - n)/R, and -2 n/R for a mirror.
+    pub fn power(&self, meridian: Meridian) -> f64 {
+        let step = if self.is_mirror { -2.0 * self.n_scene } else { self.n_film - self.n_scene };
+        step * self.curvature_ahead(meridian)
+    }
+
+    /// Returns the distance to the next vertex along light from the scene, mm.
+    pub fn distance_behind(&self) -> f64 {
+        if self.is_reversed != self.is_mirror { -self.thickness } else { self.thickness }
     }
 
     /// Returns the sagitta, mm: the z of the surface at the distance `height` from the axis minus the z of the vertex,

@@ -183,10 +183,7 @@ impl<R: Real> Path<R> {
         }
         // Distance between a surface and the surface before it along the direction. The distance is the thickness
         // stored in whichever of the two is on the scene's side.
-        let gap = |along: usize| {
-            let before = surfaces[if forward { along - 1 } else { along }];
-            if before.is_reversed != before.is_mirror { -before.thickness } else { before.thickness }
-        };
+        let gap = |along: usize| surfaces[if forward { along - 1 } else { along }].distance_behind();
         // The flag for contact between two neighbours is stored in the surface on the film's side.
         let touch = |a: usize, b: usize| surfaces[if forward { a.max(b) } else { a.min(b) }].is_contact;
         let (mut last, mut last_bent) = (None, None);
