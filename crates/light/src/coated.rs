@@ -341,13 +341,17 @@ fn carry<S: Borrow<PathSurface<f64>>>(
                 light.dim((-absorption * met.distance).exp());
             }
         }
+        if let Some(rotation) = &met.turned {
+            light.enter_frame(rotation);
+        }
         light.dim(met.transmission);
         let cosine = (dot(met.v, met.normal) * met.n.recip()).min(1.0);
         if let Some(share) = optics.share(surface, &met, cosine) {
             light.meet(met.v, met.normal, share);
-            if met.is_mirror {
-                light.turn_round();
-            }
+        }
+        // A mirror of the lens, which has one medium on both sides, loses no light.
+        if met.is_mirror {
+            light.turn_round();
         }
     })?;
     Ok((ray, light.power))

@@ -80,6 +80,23 @@ impl<L: Lanes<Scalar = f32>> LaneLight<L> {
         ];
     }
 
+    /// Reverses the z axis, as behind a mirror that loses no light (see [`Light`](super::Light)).
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn turn_round(&mut self, cpu: Cpu<L>) {
+        self.across[2] = L::splat(cpu, 0.0) - self.across[2];
+    }
+
+    /// Takes the light to a frame that is turned by a rotation, given by rows.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn enter_frame(&mut self, cpu: Cpu<L>, rotation: &[[f32; 3]; 3]) {
+        let old = self.across;
+        for i in 0..3 {
+            let [a, b, c] = rotation[i];
+            let row = [L::splat(cpu, a), L::splat(cpu, b), L::splat(cpu, c)];
+            self.across[i] = dot(row, old);
+        }
+    }
+
     /// Returns the share of the power that remains behind the surfaces.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn power(&self) -> L {

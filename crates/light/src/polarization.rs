@@ -66,6 +66,12 @@ impl Light {
         self.across[2] = -self.across[2];
     }
 
+    /// Takes the light to a frame that is turned against the last one by a rotation, given by rows.
+    #[inline]
+    pub(crate) fn enter_frame(&mut self, rotation: &[[f64; 3]; 3]) {
+        self.across = rotation.map(|row| dot(row, self.across));
+    }
+
     /// Transforms Q and U to another plane of incidence, which is perpendicular to `across`.
     #[inline]
     fn turn(&mut self, across: [f64; 3], v: [f64; 3], squared: f64) {

@@ -160,9 +160,9 @@ fn lit_steps<S: Scalar>(
             Direction::FilmToScene => ([own.n_film, own.n_scene], Some(surface)),
             Direction::SceneToFilm => ([own.n_scene, own.n_film], surface.checked_sub(1)),
         };
-        // Before the first surface, the light is not in the lens.
-        let medium = if std::mem::take(&mut is_first) { None } else { medium };
         let is_crossed = step.refracts();
+        // Before the first surface, the light is not in the lens.
+        let medium = if is_crossed && std::mem::take(&mut is_first) { None } else { medium };
         LitStep {
             surface: if is_crossed { index_of(surface, media) } else { None },
             indices: media.map(|index| (index / first_index) as f32),
@@ -260,6 +260,27 @@ impl<S: KernelScalar, C: Carried<S>> Carried<S> for Transmission<C> {
             };
             light.cross(single, &crossing, indices[0], share);
         }
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn enter_frame<L: Lanes<Scalar = S>>(
+        &self,
+        cpu: Cpu<L>,
+        state: &mut Self::State<L>,
+        rotation: &[[S; 3]; 3],
+    ) {
+        let mut single = [[0.0_f32; 3]; 3];
+        for i in 0..3 {
+            for j in 0..3 {
+                single[i][j] = rotation[i][j].to_f64() as f32;
+            }
+        }
+        state.light.enter_frame(L::single_cpu(cpu), &single);
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn turn_round<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, state: &mut Self::State<L>) {
+        state.light.turn_round(L::single_cpu(cpu));
     }
 
     #[inline(always)]

@@ -261,6 +261,7 @@ impl From<CameraError> for Failure {
             | CameraError::NoCoatings { .. }
             | CameraError::NothingReflects { .. }
             | CameraError::GhostsOnPosedFilm
+            | CameraError::GhostsOfGeneralLens { .. }
             | CameraError::FilmCurvature { .. }
             | CameraError::Exposure { .. }
             | CameraError::NoStopFor { .. }

@@ -1,5 +1,6 @@
 //! The front surface of a lens and its intersection with rays from the scene.
 
+use realistic_base::numeric::dot;
 use realistic_optics::{
     lens::{Lens, Ray, Surface, refraction::Refraction},
     trace::{Direction, Path},
@@ -10,6 +11,9 @@ use realistic_simd::{Cpu, Lanes, OneLane, Portable};
 #[derive(Clone, Debug)]
 pub(super) struct Front {
     pub surface: Surface,
+    /// Whether only the walk can tell where rays meet the lens: the surfaces do not share an axis, the front surface is
+    /// not symmetric, or mirrors stand in front of it.
+    pub is_general: bool,
     /// The path through the lens for rays from the scene; rays are intersected only with its first surface.
     path: Path,
     /// z of the foremost point of the front surface.
@@ -23,14 +27,17 @@ impl Front {
     pub fn of(lens: &Lens) -> Self {
         let surface = lens.front().clone();
         let path = Path::new(lens, Direction::SceneToFilm, Refraction::Fused);
-        Self { foremost: surface.sagitta_range()[1], surface, path, rear: lens.rear().vertex }
+        let is_general = !lens.is_centred() || lens.has_mirror();
+        let rear = if is_general { f64::NEG_INFINITY } else { lens.rear().vertex };
+        Self { foremost: surface.sagitta_range()[1], surface, is_general, path, rear }
     }
 
     /// Whether a point lies in front of the surface or beside it at any z; the latter because a fisheye sees
     /// points behind the edge of its front surface.
     pub fn is_before(&self, [x, y, z]: [f64; 3]) -> bool {
         let (front, square) = (&self.surface, x * x + y * y);
-        z > self.foremost
+        self.is_general
+            || z > self.foremost
             || square >= front.semi_diameter * front.semi_diameter
             || z > front.sagitta(square.sqrt())
     }
@@ -50,7 +57,7 @@ impl Front {
         let number = |number: f64| L::splat(cpu, number);
         let (zero, one, ([x, y, z], [dx, dy, dz])) = (number(0.0), number(1.0), (origin, direction));
         let is_before_rear = number(self.rear).less(z);
-        if self.surface.figure.is_some() {
+        if self.is_general || self.surface.figure.is_some() {
             return is_before_rear;
         }
         let is_far = number(self.foremost).less(z);
@@ -73,6 +80,25 @@ impl Front {
     /// the ray's origin.
     pub fn point(&self, ray: &Ray) -> [f64; 3] {
         self.path.first_point(*ray).unwrap_or(ray.origin)
+    }
+
+    /// Samples a direction from a scene point to a point of the clear aperture, given in the unit disk. Returns the ray's
+    /// point on the front surface, its direction and the density per solid angle; `None` if the surface does not face the
+    /// point, or is met elsewhere first. Where the aperture has the area A, and N is the normal whose z component is 1,
+    /// the density is d²/(A |N·D|) at the distance d.
+    pub fn aim(&self, from: [f64; 3], disk: [f64; 2]) -> Option<([f64; 3], [f64; 3], f64)> {
+        let radius = self.surface.semi_diameter;
+        let (point, normal) = self.path.first_surface_at(disk.map(|part| part * radius))?;
+        let to_point: [f64; 3] = std::array::from_fn(|i| point[i] - from[i]);
+        let distance = dot(to_point, to_point).sqrt();
+        let direction = to_point.map(|part| part / distance);
+        let facing = -dot(normal, direction);
+        let met = self.path.first_point(Ray { origin: from, direction })?;
+        let off: [f64; 3] = std::array::from_fn(|i| met[i] - point[i]);
+        // Another crossing lies much farther away than rounding errors.
+        let is_first = dot(off, off).sqrt() <= 1e-6 * radius + 1e-9 * distance;
+        let density = distance * distance / (std::f64::consts::PI * radius * radius * facing);
+        (is_first && facing > 0.0 && density.is_finite()).then_some((point, direction, density))
     }
 
     /// Returns the distance along rays with unit directions to a sphere or plane.

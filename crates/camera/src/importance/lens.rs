@@ -3,6 +3,7 @@
 
 use super::{block::ArrivingRays, entrance::SeenPupil, film::ImportanceFilm, front::Front};
 use crate::pipeline::{body::CameraBody, on_demand::OnDemand};
+use crate::sampling::DiskMapping;
 use crate::vectors::in_vectors;
 use realistic_light::Transmission;
 use realistic_optics::{
@@ -132,6 +133,10 @@ impl AdjointLens {
     /// Samples directions toward the lens from points of camera space, by two numbers in [0, 1] each, and
     /// computes the importance of their rays. A point that is NaN has no direction.
     pub(super) fn aim(&self, points: [&mut [f64]; 5], rays: &mut ArrivingRays) {
+        if self.front.is_general {
+            aim_at_front(&self.front, points, rays);
+            return self.land(&mut rays.traced);
+        }
         let entrance = self.entrance.get_or_make(|| self.tabulate());
         entrance.aim(&self.front, points, rays);
         self.land(&mut rays.traced);
@@ -141,5 +146,24 @@ impl AdjointLens {
     /// apertures block are traced in vain.
     fn tabulate(&self) -> SeenPupil {
         SeenPupil::build(&self.whole, &self.front, self.film.z(), &self.pupil, self.reference)
+    }
+}
+
+/// Samples directions from points toward the clear aperture of the front surface, for lenses whose pupil is not tabulated
+/// for scene points.
+fn aim_at_front(front: &Front, points: [&mut [f64]; 5], rays: &mut ArrivingRays) {
+    let back = BACK * front.surface.semi_diameter;
+    let [x, y, z, u, v] = points;
+    let toward_lens = rays.toward_lens.each_mut();
+    for i in 0..x.len() {
+        let disk = DiskMapping::Concentric.map(u[i], v[i]);
+        let aimed = disk.and_then(|disk| front.aim([x[i], y[i], z[i]], disk));
+        let (origin, direction, density) = aimed.unwrap_or(([f64::NAN; 3], [f64::NAN; 3], 0.0));
+        for axis in 0..3 {
+            toward_lens[axis][i] = origin[axis];
+            toward_lens[3 + axis][i] = direction[axis];
+        }
+        toward_lens[6][i] = density;
+        rays.traced.put(i, std::array::from_fn(|axis| origin[axis] - back * direction[axis]), direction);
     }
 }

@@ -52,7 +52,7 @@ pub(super) fn pupil_sampler(
     log: Log<'_>,
 ) -> PupilSampler {
     let film = &setup.facts.film;
-    let of_disk = |disk| match film.surface().is_across() {
+    let of_disk = |disk| match film.is_round() {
         true => PupilSampler::Disk(disk),
         false => PupilSampler::Posed(Arc::new(PosedPupil::of_disk(film.surface(), disk))),
     };
@@ -67,7 +67,7 @@ pub(super) fn pupil_sampler(
             warn_of_missed_share(path, film_z, film, rear, exit, log);
             of_disk(exit)
         }
-        Pupil::Warped if film.surface().is_across() => {
+        Pupil::Warped if film.is_round() => {
             let pupil = WarpedPupil::new(path, film_z, film.reach(), [rear, exit]);
             report_given_up(&pupil, film, log);
             PupilSampler::Warped(Arc::new(pupil))

@@ -142,6 +142,15 @@ pub enum CameraError {
         "\"ghosts\" are traced to flat film across the axis; leave out \"film_tilt_x\", \"film_tilt_y\" and \"film_curvature_radius\", or \"ghosts\""
     )]
     GhostsOnPosedFilm,
+    /// Ghosts are requested of a lens that is not symmetric about an axis, or has mirrors.
+    #[error(
+        "\"ghosts\" are traced between surfaces that are symmetric about one axis and refract; lens \"{lens}\" has tilted, decentred \
+         or cylindrical surfaces, or mirrors: leave \"ghosts\" out"
+    )]
+    GhostsOfGeneralLens {
+        /// The lens.
+        lens: String,
+    },
     /// The film's corners lie beyond the sphere along which the film is curved.
     #[error(
         "\"film_curvature_radius\" is {} mm, and the film's corners lie {} mm from its centre; its magnitude must be more",

@@ -197,13 +197,15 @@ fn largest_order(candidates: &[Candidate], fit: bool) -> usize {
 }
 
 /// Lists every candidate. Polynomials test the given number of apertures and use single precision if the lens
-/// is `fit` for it; there are none if rays carry their light or begin on tilted or curved film. The exact
+/// is `fit` for it; there are none if rays carry their light, begin on tilted or curved film, or
+/// pass a lens that is not symmetric or has mirrors. The exact
 /// kernel is listed in both precisions.
 fn candidates(task: &Task<'_>, fit: bool, apertures: usize) -> Vec<Candidate> {
     let (simd, surfaces) = (Simd::best(), cost::in_spheres(task.lens));
     let precision = if fit { Precision::F32 } else { Precision::F64 };
     let candidate = |tracing, costs| Candidate { tracing, costs, verdict: Verdict::Untried };
-    let takes_polynomials = !task.carries_light && task.film_side.film.surface().is_across();
+    let is_round = task.film_side.film.is_round() && !task.lens.has_mirror();
+    let takes_polynomials = !task.carries_light && is_round;
     let orders = ORDERS.iter().filter(|_| takes_polynomials);
     let polynomials = orders.map(|&order| {
         let cost = |entry| cost::polynomials(simd, entry, precision, monomials(order), apertures);

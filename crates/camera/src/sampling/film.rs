@@ -1,6 +1,7 @@
 //! The film: a raster of pixels on a rectangle behind the lens.
 
 use super::film_surface::FilmSurface;
+use realistic_optics::lens::Lens;
 use realistic_simd::{Cpu, Lanes};
 
 /// Numbers of pixels of an image.
@@ -19,6 +20,8 @@ pub struct Film {
     diagonal: f64,
     pixel: f64,
     surface: FilmSurface,
+    /// Whether the lens in front of the film has surfaces that are not symmetric about one axis.
+    has_other_lens: bool,
 }
 
 /// Distance outside the raster, in pixels, within which a host's reconstruction filter requests rays (in
@@ -29,7 +32,20 @@ impl Film {
     /// Returns a flat film perpendicular to the axis with the given diagonal in mm, which is positive.
     pub fn new(raster: Raster, diagonal: f64) -> Self {
         let (x, y) = (f64::from(raster.xres), f64::from(raster.yres));
-        Self { raster, diagonal, pixel: diagonal / (x * x + y * y).sqrt(), surface: FilmSurface::FLAT }
+        let pixel = diagonal / (x * x + y * y).sqrt();
+        Self { raster, diagonal, pixel, surface: FilmSurface::FLAT, has_other_lens: false }
+    }
+
+    /// Returns this film behind a lens.
+    #[must_use]
+    pub fn behind(self, lens: &Lens) -> Self {
+        Self { has_other_lens: !lens.is_centred(), ..self }
+    }
+
+    /// Returns whether pupils depend on the distance from the axis alone: the film is flat and perpendicular to the axis,
+    /// and the lens is symmetric, whatever its apertures. Otherwise pupils are tabulated by x and y of the flat film.
+    pub fn is_round(&self) -> bool {
+        self.surface.is_across() && !self.has_other_lens
     }
 
     /// Returns this film on another surface.
@@ -63,10 +79,10 @@ impl Film {
     }
 
     /// Returns x and y, mm, of the film's centre in the coordinates in which a sampler takes film points:
-    /// coordinates in space for film perpendicular to the axis, coordinates on the flat film, whose centre is
-    /// 0, for other film.
+    /// coordinates in space where pupils depend on the distance from the axis, else coordinates on the flat film, whose
+    /// centre is 0.
     pub fn sampled_center(&self) -> [f64; 2] {
-        if self.surface.is_across() { self.surface.shift() } else { [0.0; 2] }
+        if self.is_round() { self.surface.shift() } else { [0.0; 2] }
     }
 
     /// Returns half the width and half the height of the picture, mm.

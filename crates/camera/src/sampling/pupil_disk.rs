@@ -55,11 +55,17 @@ impl PupilDisk {
         let rear = lens.rear();
         let distance = rear.vertex - film;
         let nearest = distance - depth[1];
+        if lens.film_break.is_some() {
+            return Self::around_turned_rear(lens, film, reach, depth);
+        }
         // For a sphere only the edge matters; for an asphere any height matters, and is treated as if it were
         // at the edge.
-        let ends = match rear.figure {
-            None => [rear.sagitta(rear.semi_diameter); 2],
-            Some(_) => rear.sagitta_range(),
+        let ends = match (&rear.figure, &rear.unsymmetric) {
+            (None, None) => [lens.rear_sagitta(rear.sagitta(rear.semi_diameter)); 2],
+            _ => {
+                let [a, b] = rear.sagitta_range().map(|sagitta| lens.rear_sagitta(sagitta));
+                [a.min(b), a.max(b)]
+            }
         };
         if !(nearest > 0.0 && nearest + ends[0] > 0.0) {
             return None;
@@ -77,6 +83,39 @@ impl PupilDisk {
         let [low, high] = ends.map(|end| projected(0.0, end).max(projected(reach, end)));
         let radius = rear.semi_diameter.max(low).max(high);
         Some(Self { vergence: distance.recip(), slope_radius: radius / distance })
+    }
+
+    /// Returns the disk of [`PupilDisk::rear_of_depth`] for film that does not lie across the axis of the rear surface.
+    /// The rear surface is replaced by the cylinder around it.
+    fn around_turned_rear(lens: &Lens, film: f64, reach: f64, depth: [f64; 2]) -> Option<Self> {
+        /// Number of points of a circle. A circle is larger than the polygon of these points by the factor.
+        const POINTS: u32 = 64;
+        const LARGER: f64 = 1.01;
+        let rear = lens.rear();
+        let distance = rear.vertex - film;
+        let around = |radius: f64| {
+            (0..POINTS).map(move |i| {
+                let (sin, cos) = (f64::from(i) * 2.0 * PI / f64::from(POINTS)).sin_cos();
+                [radius * cos, radius * sin]
+            })
+        };
+        let mut radius = 0.0_f64;
+        for sagitta in rear.sagitta_range() {
+            for edge in around(rear.semi_diameter) {
+                let [x, y, z] = lens.rear_point(edge, sagitta);
+                for (ahead, [from_x, from_y]) in
+                    depth.into_iter().flat_map(|ahead| around(reach).map(move |from| (ahead, from)))
+                {
+                    let to_point = z - film - ahead;
+                    if !(to_point > 0.0) {
+                        return None;
+                    }
+                    let along = (distance - ahead) / to_point;
+                    radius = radius.max((from_x + (x - from_x) * along).hypot(from_y + (y - from_y) * along));
+                }
+            }
+        }
+        Some(Self { vergence: distance.recip(), slope_radius: LARGER * radius / distance })
     }
 
     /// Returns the exit pupil for film at `film`. The pupil lies in the plane in which the thick lens images

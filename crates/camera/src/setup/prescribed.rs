@@ -89,6 +89,8 @@ impl Setup {
             lens.add_picture(picture);
         }
         check_reach(&lens, film_distance, units.mm)?;
+        let film = film.behind(&lens);
+        let ghosts = ghosts(given, &film, &lens)?;
         let facts = Facts { lens, first_order, beam, film, film_distance, focus_distance_mm };
         let is_given = given.film_distance.is_some();
         if is_given || given.focus_distance.is_none() && facts.lens.nominal_film_distance.is_some() {
@@ -107,7 +109,7 @@ impl Setup {
             mapping: disk_mapping(given, host)?,
             weighting: given.weighting()?,
             coatings: coatings(given.transmission(), prescription)?,
-            ghosts: ghosts(given, &film)?,
+            ghosts,
             exposure: exposure(given)?,
             precision: given.precision(),
             tolerance: given.tolerance()?,
@@ -235,9 +237,13 @@ fn exposure(given: &Parameters) -> Result<f64, CameraError> {
 /// Returns the share of the samples that follow paths with two reflections.
 ///
 /// # Errors
-/// The number is out of range, the surfaces reflect nothing, or the film is tilted or curved.
-fn ghosts(given: &Parameters, film: &Film) -> Result<f64, CameraError> {
+/// The number is out of range, the surfaces reflect nothing, the film is tilted or curved, or the lens is not symmetric or
+/// has mirrors.
+fn ghosts(given: &Parameters, film: &Film, lens: &Lens) -> Result<f64, CameraError> {
     let share = given.ghosts()?;
+    if share > 0.0 && (!lens.is_centred() || lens.has_mirror()) {
+        return Err(CameraError::GhostsOfGeneralLens { lens: lens.name.clone() });
+    }
     if share > 0.0 && !film.surface().is_across() {
         return Err(CameraError::GhostsOnPosedFilm);
     }

@@ -355,6 +355,20 @@ impl Lens {
         self.surfaces.first().expect("a lens has at least one surface")
     }
 
+    /// Returns a sagitta of the rear surface, positive toward the scene in lens space, in image space, where z points
+    /// from the film along the light's way back (see `trace::path`).
+    pub fn rear_sagitta(&self, sagitta: f64) -> f64 {
+        let rear = self.rear();
+        if rear.is_reversed != rear.is_mirror { -sagitta } else { sagitta }
+    }
+
+    /// Returns, in image space, the point (x, y) of the rear surface with this sagitta, all in the surface's frame.
+    pub fn rear_point(&self, [x, y]: [f64; 2], sagitta: f64) -> [f64; 3] {
+        let toward_film = [x, y, -sagitta];
+        let [x, y, z] = self.film_break.map_or(toward_film, |change| change.inverse().point(toward_film));
+        [x, y, self.rear().vertex + self.rear_sagitta(-z)]
+    }
+
     /// Sets or removes the blades of the stop, if the lens has a stop; its other apertures stay.
     pub fn set_blades(&mut self, blades: Option<Blades>) {
         if let Some(stop) = self.stop_index() {

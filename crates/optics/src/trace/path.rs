@@ -89,6 +89,8 @@ pub struct Meeting {
     pub n_behind: f64,
     /// Whether the ray is reflected.
     pub is_mirror: bool,
+    /// The rotation, by rows, of the frame since the previous meeting; `None` if the surfaces share an axis.
+    pub turned: Option<[[f64; 3]; 3]>,
     /// The point on the surface, x and y, mm.
     pub point: [f64; 2],
     /// V = n D before the surface.
@@ -527,6 +529,25 @@ impl<R: Real> Path<R> {
         (is_met && point.iter().all(|part| part.is_finite())).then_some(point)
     }
 
+    /// Returns the point (x, y) of the first surface, given in the frame of its vertex, and the normal there that points
+    /// against the light, with a component of length 1 along the axis of the surface; both in lens space. `None` where
+    /// the surface ends, or if this path is one from the film.
+    pub fn first_surface_at(&self, [x, y]: [f64; 2]) -> Option<([f64; 3], [f64; 3])> {
+        let first = &self.steps[0];
+        let [x, y] = [x, y].map(R::from_f64);
+        let z = first.height([x, y]);
+        let [nx, ny, nz] = first.normal([x, y, z]);
+        let point = [x, y, z].map(R::to_f64);
+        let normal = [-(nx / nz), -(ny / nz), -R::ONE].map(R::to_f64);
+        let is_there = self.direction == Direction::SceneToFilm && point.iter().all(|part| part.is_finite());
+        let [px, py, pz] = point;
+        let (point, normal) = match &self.places {
+            None => ([px, py, self.entry - pz], [normal[0], normal[1], -normal[2]]),
+            Some(places) => (places[0].point(point), places[0].turned(normal)),
+        };
+        is_there.then_some((point, normal))
+    }
+
     /// Traces a ray as [`Path::trace`] does, and also reports each meeting of the ray with a surface, before the
     /// surface refracts or reflects the ray. `steps` are the path's own or other steps through the same lens. The
     /// reports are complete only for a ray that gets through.
@@ -567,7 +588,9 @@ impl<R: Real> Path<R> {
             let transmission = step.apertures.iter().map(|aperture| aperture.transmission(point)).product();
             let PathSurface { along, n_behind, is_mirror, .. } = *step;
             let (n, v) = (step.n.to_f64(), state.v.map(R::to_f64));
-            met(Meeting { along, n, n_behind, is_mirror, point: [x, y], v, normal, distance, transmission });
+            let turned = step.change.as_ref().map(|change| change.rotation.map(|row| row.map(R::to_f64)));
+            let point = [x, y];
+            met(Meeting { along, n, n_behind, is_mirror, turned, point, v, normal, distance, transmission });
         });
         if let Some(reason) = blocked {
             return Err(reason);

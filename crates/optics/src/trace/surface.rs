@@ -193,6 +193,19 @@ impl<R: Real> PathSurface<R> {
         self.refract(state, method)
     }
 
+    /// Returns z of the surface at (x, y); NaN where it ends.
+    pub fn height(&self, [x, y]: [R; 2]) -> R {
+        let u = x * x + y * y;
+        match (&self.aspheric, &self.unsymmetric) {
+            (Some(aspheric), _) => aspheric.height(u),
+            (None, Some(unsymmetric)) => unsymmetric.constants.sagitta([x, y]),
+            (None, None) => {
+                let c = self.curvature;
+                c * u / (R::ONE + (R::ONE - c * c * u).sqrt())
+            }
+        }
+    }
+
     /// Returns the unit normal at a point of this surface, pointing to the side ahead.
     #[inline(always)]
     pub fn normal(&self, point: [R; 3]) -> [R; 3] {

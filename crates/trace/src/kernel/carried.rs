@@ -27,6 +27,12 @@ pub trait Carried<S: Scalar> {
     /// Takes the data of rays across the surface of the current step.
     #[inline(always)]
     fn cross<L: Lanes<Scalar = S>>(&self, _: Cpu<L>, _: usize, _: &mut Self::State<L>, _: &Crossing<L>) {}
+    /// Takes the data of rays to a frame that is turned by a rotation, given by rows.
+    #[inline(always)]
+    fn enter_frame<L: Lanes<Scalar = S>>(&self, _: Cpu<L>, _: &mut Self::State<L>, _: &[[S; 3]; 3]) {}
+    /// Takes the data of rays to the frame behind a mirror, whose z axis is reversed.
+    #[inline(always)]
+    fn turn_round<L: Lanes<Scalar = S>>(&self, _: Cpu<L>, _: &mut Self::State<L>) {}
     /// Returns n² before and behind the surface of the current step, and the wavelengths, nm, if each ray has its own
     /// wavelength.
     #[inline(always)]

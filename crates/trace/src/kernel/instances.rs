@@ -143,6 +143,9 @@ impl<S: Scalar, C: Carried<S>> Optics<S> for LensSteps<S, C> {
         carried.go_to(cpu, 0, &mut state);
         let (ray, crossing) = RayLanes::enter(cpu, &table.steps[0], carried.media(&state), start);
         carried.cross(cpu, 0, &mut state, &crossing);
+        if table.steps[0].reflects() {
+            carried.turn_round(cpu, &mut state);
+        }
         (ray, state)
     }
 

@@ -150,6 +150,18 @@ pub enum Step<S> {
 }
 
 impl<S> Step<S> {
+    /// Whether this is the step at which rays are reflected.
+    pub fn reflects(&self) -> bool {
+        match self {
+            Self::Mirror(_) => true,
+            Self::Conic(conic) => conic.common.is_mirror,
+            Self::Asphere(asphere) => asphere.common.is_mirror,
+            Self::Cylinder(cylinder) => cylinder.common.is_mirror,
+            Self::Sheet(sheet) => sheet.common.is_mirror,
+            _ => false,
+        }
+    }
+
     /// Whether this is the step of its surface at which rays are refracted.
     pub fn refracts(&self) -> bool {
         !matches!(

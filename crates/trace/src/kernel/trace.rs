@@ -140,6 +140,9 @@ fn trace_steps<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>, const U: usize>
                     let lead = ray.lead(conic.common.is_led).unwrap_or(L::splat(cpu, L::Scalar::ZERO));
                     let crossing = ray.conic(cpu, conic, carried.media(state), minus_z, lead);
                     carried.cross(cpu, number, state, &crossing);
+                    if conic.common.is_mirror {
+                        carried.turn_round(cpu, state);
+                    }
                 }
             }
             Step::Cylinder(cylinder) => {
@@ -148,6 +151,9 @@ fn trace_steps<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>, const U: usize>
                     let lead = ray.lead(cylinder.common.is_led).unwrap_or(L::splat(cpu, L::Scalar::ZERO));
                     let crossing = ray.cylinder(cpu, cylinder, carried.media(state), minus_z, lead);
                     carried.cross(cpu, number, state, &crossing);
+                    if cylinder.common.is_mirror {
+                        carried.turn_round(cpu, state);
+                    }
                 }
             }
             Step::Sheet(sheet) => {
@@ -156,11 +162,15 @@ fn trace_steps<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>, const U: usize>
                     let lead = ray.lead(sheet.common.is_led).unwrap_or(L::splat(cpu, L::Scalar::ZERO));
                     let crossing = ray.sheet(cpu, sheet, carried.media(state), minus_z, lead);
                     carried.cross(cpu, number, state, &crossing);
+                    if sheet.common.is_mirror {
+                        carried.turn_round(cpu, state);
+                    }
                 }
             }
             Step::Frame(frame) => {
-                for ray in rays {
+                for (ray, state) in rays.iter_mut().zip(states) {
                     ray.frame(cpu, frame);
+                    carried.enter_frame(cpu, state, &frame.rotation);
                 }
             }
             // This step is unrolled for the whole group, in which some vectors may be idle, and for a pair of vectors.
@@ -177,8 +187,9 @@ fn trace_steps<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>, const U: usize>
                 }
             }
             Step::Mirror(mirror) => {
-                for ray in rays {
+                for (ray, state) in rays.iter_mut().zip(states) {
                     ray.mirror(cpu, mirror);
+                    carried.turn_round(cpu, state);
                 }
             }
             Step::Renormalise(length) => {
@@ -237,5 +248,8 @@ fn meet<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>, const V: usize>(
     let crossings = asphere.trace(cpu, rays, media, minus_z, leads);
     for v in 0..count {
         carried.cross(cpu, number, &mut states[v], &crossings[v]);
+        if asphere.common.is_mirror {
+            carried.turn_round(cpu, &mut states[v]);
+        }
     }
 }
