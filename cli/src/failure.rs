@@ -4,6 +4,7 @@ use realistic_base::message::printable;
 use realistic_camera::{CameraError, ParameterError};
 use realistic_optics::imaging::focus::FocusError;
 use realistic_optics::imaging::moving::MovingError;
+use realistic_optics::lens::Lens;
 use std::fmt::Display;
 use std::io::{self, Write};
 use std::path::Path;
@@ -24,6 +25,21 @@ impl Failure {
     /// Reports that a file named by the user cannot be written.
     pub fn cannot_write(path: &Path, error: &dyn Display) -> Self {
         Self::Other(format!("cannot write {}: {error}; give another path", path.display()))
+    }
+
+    /// Checks that all surfaces of a lens are symmetric about one axis and refract, for `what`, which needs that.
+    ///
+    /// # Errors
+    /// The lens has tilted, decentred or cylindrical surfaces, or mirrors.
+    pub fn unless_round(lens: &Lens, what: &str) -> Result<(), Self> {
+        if lens.is_centred() && !lens.has_mirror() {
+            return Ok(());
+        }
+        Err(Self::Other(format!(
+            "{what} needs a lens whose surfaces are symmetric about one axis and refract; lens \"{}\" has tilted, decentred or \
+             cylindrical surfaces, or mirrors",
+            lens.name
+        )))
     }
 
     /// Prints the message on standard error and returns the exit code.

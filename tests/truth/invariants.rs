@@ -14,7 +14,7 @@ use realistic_optics::{
         pupil::ExitPupil,
         refraction::Refraction,
     },
-    prescription::catalogue,
+    prescription::{Meridian, catalogue},
     trace::{Direction, Path, Ray},
 };
 use support::{Random, build, host_with, lens, lens_of, sample};
@@ -351,12 +351,16 @@ fn close_rays_meet_where_coddington_says() {
             radius,
             curvature: 1.0 / radius,
             figure: None,
+            unsymmetric: None,
             thickness: 0.0,
             n_scene: 1.0,
             n_film: n,
             absorption: 0.0,
             semi_diameter: 25.0,
             is_stop: false,
+            is_mirror: false,
+            is_reversed: false,
+            coordinate_break: None,
             apertures: std::sync::Arc::default(),
             is_contact: false,
         };

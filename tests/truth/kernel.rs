@@ -147,12 +147,16 @@ fn many_surfaces(n: usize, scale: f64) -> Lens {
         radius: radius(i),
         curvature: radius(i).recip(),
         figure: None,
+        unsymmetric: None,
         thickness: if i + 1 < n { 2.5 * scale } else { 0.0 },
         n_scene: if (n - i).is_multiple_of(2) { 1.0 } else { 1.6 },
         n_film: if (n - i).is_multiple_of(2) { 1.6 } else { 1.0 },
         absorption: 0.0,
         semi_diameter: 12.0 * scale,
         is_stop: false,
+        is_mirror: false,
+        is_reversed: false,
+        coordinate_break: None,
         apertures: std::sync::Arc::default(),
         is_contact: false,
     };
@@ -161,6 +165,7 @@ fn many_surfaces(n: usize, scale: f64) -> Lens {
         surfaces: (0..n).map(surface).collect(),
         wavelength: 587.56,
         nominal_film_distance: None,
+        film_break: None,
     }
 }
 
@@ -346,12 +351,16 @@ fn grazing_and_critical_rays<S: Checked>() {
         radius,
         curvature: radius.recip(),
         figure: None,
+        unsymmetric: None,
         thickness: 0.0,
         n_scene,
         n_film,
         absorption: 0.0,
         semi_diameter: 20.0,
         is_stop: false,
+        is_mirror: false,
+        is_reversed: false,
+        coordinate_break: None,
         apertures: std::sync::Arc::default(),
         is_contact: false,
     };
@@ -361,7 +370,13 @@ fn grazing_and_critical_rays<S: Checked>() {
         for i in 1..surfaces.len() {
             surfaces[i - 1].thickness = surfaces[i - 1].vertex - surfaces[i].vertex;
         }
-        Lens { name: "exact".to_owned(), surfaces, wavelength: 587.56, nominal_film_distance: None }
+        Lens {
+            name: "exact".to_owned(),
+            surfaces,
+            wavelength: 587.56,
+            nominal_film_distance: None,
+            film_break: None,
+        }
     };
     // The lenses are the near half of a ball, seen from the film; and glass with a convex front and a plane back, or
     // with a sphere in between.

@@ -149,6 +149,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         check_memory(args.size, 4 * 6 * 4)?;
     }
     let lens = &opened.lens;
+    Failure::unless_round(lens, "export, whose fields depend on the distance from the axis alone,")?;
     let film_distance = opened.film_distance()?;
     let diagonal = opened.film_diagonal();
     let film = |lens: &Lens, film_distance: f64| Film {

@@ -63,6 +63,7 @@ impl OslCamera {
         let ShaderRequest { prescription, stations, start, .. } = *request;
         let lens = &stations[start].lens;
         let name = &lens.name;
+        Failure::unless_round(lens, "a shader for Blender")?;
         if lens.surfaces.len() > MOST_SURFACES {
             let count = lens.surfaces.len();
             return Err(Failure::Other(format!(

@@ -88,7 +88,7 @@ pub fn random_aspheric_lens(random: &mut Random) -> Lens {
         let radius = match interface.shape {
             Shape::Sphere { radius } => radius,
             Shape::Plane if !interface.is_stop => f64::INFINITY,
-            Shape::Asphere(_) | Shape::Plane => continue,
+            Shape::Asphere(_) | Shape::Unsymmetric(_) | Shape::Plane => continue,
         };
         if random.random_bool(0.3) {
             continue;

@@ -53,6 +53,11 @@ impl Format {
             Self::Seq => code_v::write,
             Self::Json => |sequence, notes| Ok(optiland::write(sequence, notes)),
         };
+        if !lens.is_centred() || lens.interfaces.iter().any(|interface| interface.is_mirror) {
+            return Err("tilted, decentred and cylindrical surfaces and mirrors are written as the project's own table (.dat) \
+                        alone"
+                .to_owned());
+        }
         let as_read = lens.remarks.iter().map(|remark| format!("{AS_READ}{remark}"));
         let mut notes: Vec<String> = as_read.collect();
         let sequence = Sequence::of(lens, &mut notes);

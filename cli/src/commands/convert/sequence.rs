@@ -222,6 +222,8 @@ fn figure(shape: &Shape) -> (f64, f64, Vec<(usize, f64)>) {
     match shape {
         Shape::Plane => (f64::INFINITY, 0.0, Vec::new()),
         Shape::Sphere { radius } => (*radius, 0.0, Vec::new()),
+        // `Format::write` refuses such lenses.
+        Shape::Unsymmetric(figure) => (figure.radii()[1], 0.0, Vec::new()),
         Shape::Asphere(asphere) => {
             let terms = (FIRST_POWER..).zip(asphere.terms).filter(|(_, term)| *term != 0.0);
             (asphere.radius, asphere.conic, terms.collect())

@@ -3,8 +3,8 @@
 
 use super::numbers::{micrometres, number};
 use realistic_optics::prescription::{
-    Aperture, Asphere, Blades, Coating, FIRST_POWER, Interface, Medium, Outline, Positions, Prescription,
-    STACK, Shape, SurfaceCoating,
+    Aperture, Asphere, Biconic, Blades, Coating, CoordinateBreak, FIRST_POWER, Interface, Medium, Meridian,
+    Outline, Positions, Prescription, STACK, Shape, SurfaceCoating, Unsymmetric,
     glass::{Formula, HIGHEST_POWER, LOWEST_POWER},
 };
 use std::fmt::Write as _;
@@ -72,6 +72,10 @@ pub fn write(lens: &Prescription) -> String {
         if let Shape::Asphere(asphere) = &interface.shape {
             line(&mut text, "asphere", &[(row + 1).to_string(), constants(asphere)]);
         }
+        write_general(&mut text, &(row + 1).to_string(), interface);
+    }
+    if let Some(change) = &lens.film_break {
+        write_break(&mut text, "film", change);
     }
     if let Some(coatings) = &lens.coatings {
         let coated = || coatings.iter().enumerate().filter(|(_, own)| !own.is_bare());
@@ -101,9 +105,12 @@ pub fn write(lens: &Prescription) -> String {
     }
     let last = lens.interfaces.len() - 1;
     let mut in_front = lens.object_medium;
+    // The sign of the light's travel, which thicknesses have.
+    let mut sign = 1.0;
     for (row, interface) in lens.interfaces.iter().enumerate() {
-        let thickness =
-            if row < last { interface.thickness } else { lens.nominal_film_distance.unwrap_or(0.0) };
+        sign = if interface.is_mirror { -sign } else { sign };
+        let film = sign * lens.nominal_film_distance.unwrap_or(0.0);
+        let thickness = if row < last { interface.thickness } else { film };
         let [n_d, abbe] = medium_cells((interface.medium, interface.glass), &names);
         let cells = [
             radius(interface, in_front),
@@ -260,11 +267,61 @@ fn constants(asphere: &Asphere) -> String {
     format!("conic={}{}", number(asphere.conic), terms.collect::<String>())
 }
 
+/// Returns a radius as a cell.
+fn finite(radius: f64) -> String {
+    if radius.is_infinite() { "inf".to_owned() } else { number(radius) }
+}
+
+/// Writes the lines of an interface that is no refracting surface of revolution on the axis.
+fn write_general(text: &mut String, row: &str, interface: &Interface) {
+    let named = |name: &str, value: f64| (value != 0.0).then(|| format!("{name}={}", number(value)));
+    match interface.shape {
+        Shape::Unsymmetric(Unsymmetric::Toroid(toroid)) => {
+            let profile = if toroid.meridian == Meridian::X { "profile=x" } else { "profile=y" };
+            let rotation = format!("rotation={}", finite(toroid.rotation_radius));
+            let terms = (1..).zip(toroid.terms).filter_map(|(i, term)| named(&format!("A{}", 2 * i), term));
+            let mut values = vec![row.to_owned(), profile.to_owned(), rotation];
+            values.extend(named("conic", toroid.conic).into_iter().chain(terms));
+            line(text, "toroid", &values);
+        }
+        Shape::Unsymmetric(Unsymmetric::Biconic(Biconic { radii, conics })) => {
+            let mut values = vec![row.to_owned(), format!("x={}", finite(radii[0]))];
+            values.extend(named("conic_x", conics[0]).into_iter().chain(named("conic_y", conics[1])));
+            line(text, "biconic", &values);
+        }
+        Shape::Plane | Shape::Sphere { .. } | Shape::Asphere(_) => {}
+    }
+    if interface.is_mirror {
+        line(text, "mirror", &[row.to_owned()]);
+    }
+    if let Some(change) = &interface.coordinate_break {
+        write_break(text, row, change);
+    }
+}
+
+/// Writes a change of frame: the shift along the old z in a line of its own, then the decentre and the tilts.
+fn write_break(text: &mut String, row: &str, change: &CoordinateBreak) {
+    let (z, [x, y], tilts) = change.parts();
+    if z != 0.0 {
+        line(text, "break", &[row.to_owned(), format!("z={}", number(z))]);
+    }
+    let names = ["x", "y", "tilt_x", "tilt_y", "tilt_z"];
+    let values = [x, y].into_iter().chain(tilts);
+    let named = names.iter().zip(values).filter(|(_, value)| *value != 0.0);
+    let named: Vec<String> = named.map(|(name, value)| format!("{name}={}", number(value))).collect();
+    if !named.is_empty() {
+        line(text, "break", &[vec![row.to_owned()], named].concat());
+    }
+}
+
 fn radius(interface: &Interface, in_front: Medium) -> String {
     match interface.shape {
         Shape::Sphere { radius } => number(radius),
         Shape::Asphere(asphere) if asphere.radius.is_infinite() => "inf".to_owned(),
         Shape::Asphere(asphere) => number(asphere.radius),
+        Shape::Unsymmetric(Unsymmetric::Toroid(toroid)) => finite(toroid.radius),
+        Shape::Unsymmetric(Unsymmetric::Biconic(biconic)) => finite(biconic.radii[1]),
+        Shape::Plane if interface.is_mirror => "inf".to_owned(),
         Shape::Plane if interface.is_stop => "stop".to_owned(),
         Shape::Plane if in_front == Medium::Air && interface.medium == Medium::Air => "flare".to_owned(),
         Shape::Plane => "inf".to_owned(),

@@ -3,7 +3,7 @@
 
 use realistic_base::message::{as_given, fixed};
 use realistic_light::{Surfaces, TStop};
-use realistic_optics::prescription::{Coating, Prescription};
+use realistic_optics::prescription::{Coating, Meridian, Prescription};
 use realistic_optics::{
     imaging::axial_beam::AxialBeam,
     lens::{Lens, first_order::FirstOrder},
@@ -49,6 +49,7 @@ impl Facts {
             media(lens),
         ];
         facts.extend(first_order(optics, *stated));
+        facts.extend((!lens.is_centred()).then(|| across(lens)));
         let beam = AxialBeam::of(lens);
         facts.extend(pupils(lens, optics, &beam));
         facts.extend(transmission(prescription, lens, optics, &beam));
@@ -134,6 +135,23 @@ fn first_order(optics: Option<FirstOrder>, stated: Option<f64>) -> [Fact; 5] {
             }),
         ),
     ]
+}
+
+/// Returns the focal length and the focus in the meridian x of a lens that is not symmetric; the others are those in y.
+fn across(lens: &Lens) -> Fact {
+    let optics = FirstOrder::in_meridian(lens, Meridian::X).ok();
+    let text = optics.map(|o| {
+        let [focal_length, back] = [o.focal_length, o.back_focal_distance()].map(|length| fixed(length, 4));
+        format!("focal length {focal_length} mm, back focal dist. {back} mm; the other figures are in y")
+    });
+    fact(
+        "in x",
+        text.unwrap_or_else(|| "afocal; the other figures are in y".to_owned()),
+        json!({
+            "focal_length_x_mm": optics.map(|o| o.focal_length),
+            "back_focal_distance_x_mm": optics.map(|o| o.back_focal_distance()),
+        }),
+    )
 }
 
 /// Returns the pupils, the f-number (the absolute focal length over the diameter of the axial beam) and the surface

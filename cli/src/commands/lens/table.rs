@@ -2,7 +2,7 @@
 
 use realistic_base::message::fixed;
 use realistic_optics::lens::Lens;
-use realistic_optics::prescription::{Medium, Prescription, Shape};
+use realistic_optics::prescription::{Medium, Prescription, Shape, Unsymmetric};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
@@ -14,6 +14,12 @@ fn rows<'a>(prescription: &'a Prescription, lens: &'a Lens) -> impl Iterator<Ite
             let (kind, radius) = match interface.shape {
                 Shape::Sphere { radius } => ("sphere", Some(radius)),
                 Shape::Asphere(asphere) => ("asphere", Some(asphere.radius)),
+                Shape::Unsymmetric(Unsymmetric::Toroid(toroid)) => {
+                    let is_cylinder = toroid.rotation_radius.is_infinite();
+                    (if is_cylinder { "cylinder" } else { "toroid" }, Some(toroid.radius))
+                }
+                Shape::Unsymmetric(Unsymmetric::Biconic(biconic)) => ("biconic", Some(biconic.radii[1])),
+                Shape::Plane if interface.is_mirror => ("mirror", None),
                 Shape::Plane if interface.is_stop => ("stop", None),
                 Shape::Plane => ("plane", None),
             };
