@@ -74,12 +74,16 @@ fn many_surfaces(n: u16) -> Lens {
             radius,
             curvature: radius.recip(),
             figure: None,
+            unsymmetric: None,
             thickness: if i + 1 < n { 2.5 } else { 0.0 },
             n_scene: glass.0,
             n_film: glass.1,
             absorption: 0.0,
             semi_diameter: 12.0,
             is_stop: false,
+            is_mirror: false,
+            is_reversed: false,
+            coordinate_break: None,
             apertures: std::sync::Arc::default(),
             is_contact: false,
         }
@@ -89,5 +93,6 @@ fn many_surfaces(n: u16) -> Lens {
         surfaces: surfaces.collect(),
         wavelength: 587.56,
         nominal_film_distance: None,
+        film_break: None,
     }
 }
