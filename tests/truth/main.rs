@@ -34,6 +34,7 @@ mod stock_cameras;
 mod stop_picture;
 mod support;
 mod tables;
+mod unsymmetric;
 mod warped_pupil;
 mod wavelengths;
 mod zemax;

@@ -12,6 +12,7 @@ mod scene;
 use ::realistic_camera::{Camera, Host, Parameters};
 
 use super::support;
+pub use integrals::disagreements;
 
 /// Builds a camera from parameters in command-line syntax.
 #[track_caller]
