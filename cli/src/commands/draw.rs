@@ -21,6 +21,9 @@ pub struct Args {
     /// Draw the light that two surfaces reflect, counted from 1 at the scene side, instead of the image's
     #[arg(long, value_name = "I,J", allow_hyphen_values = true, value_parser = pair)]
     ghost: Option<[usize; 2]>,
+    /// Meridian of the section of a lens that is not symmetric: y, up, or x, across
+    #[arg(long, value_name = "MERIDIAN", default_value = "y", value_parser = ["x", "y"])]
+    section: String,
     /// Drawing to write, .svg or .png; - for an .svg on standard output [default: the lens's name with .svg]
     #[arg(short, long, value_name = "FILE", value_parser = output::path)]
     out: Option<PathBuf>,
@@ -81,8 +84,13 @@ fn check_pair(lens: &Lens, pair: [usize; 2]) -> Result<(), Failure> {
 fn at_one(args: &Args, opened: &OpenedLens, diagonal: f64) -> Result<Page, Failure> {
     let OpenedLens { prescription, lens, .. } = opened;
     let film_distance = opened.film_distance_if_any()?.unwrap_or_else(|| fallback_film_distance(lens));
+    let turned = (args.section == "x" && !lens.is_centred()).then(|| lens.turned());
+    let lens = turned.as_ref().unwrap_or(lens);
+    if args.ghost.is_some() {
+        Failure::unless_round(lens, "--ghost")?;
+    }
     let [edge_sagitta, _] = lens.rear().sagitta_range();
-    if film_distance + edge_sagitta <= 0.0 {
+    if film_distance + edge_sagitta <= 0.0 && !lens.has_mirror() {
         return Err(CameraError::film_in_lens(lens, film_distance).into());
     }
     let options = section::SectionOptions {

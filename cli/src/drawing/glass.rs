@@ -1,34 +1,60 @@
 //! Outlines of a lens's elements, as closed lines of points (z, y) in mm.
 
 use realistic_optics::lens::{Lens, Surface};
+use realistic_optics::prescription::CoordinateBreak;
 
-/// Returns points of a surface's arc, from its lower edge to the upper one.
-pub fn arc(surface: &Surface) -> Vec<[f64; 2]> {
+/// Returns a point of a surface in lens space, as (z, y). `frame` is that of the surface, and `sagitta` is positive toward
+/// the scene.
+fn placed(frame: &CoordinateBreak, y: f64, sagitta: f64) -> [f64; 2] {
+    let [_, y, z] = frame.point([0.0, y, -sagitta]);
+    [-z, y]
+}
+
+/// Returns points of the arcs of all surfaces, each from its lower edge to the upper one.
+pub fn arcs(lens: &Lens) -> Vec<Vec<[f64; 2]>> {
+    lens.surfaces.iter().zip(&lens.frames()).map(|(surface, frame)| arc(surface, frame)).collect()
+}
+
+/// Returns points of a surface's arc.
+fn arc(surface: &Surface, frame: &CoordinateBreak) -> Vec<[f64; 2]> {
     const HALF: i32 = 48;
     (-HALF..=HALF)
         .map(|i| {
             // Steps are even in angle, so that the edge of a hemisphere is as smooth as its middle.
             let y =
                 surface.semi_diameter * (f64::from(i) / f64::from(HALF) * std::f64::consts::FRAC_PI_2).sin();
-            [surface.vertex + surface.sagitta(y), y]
+            placed(frame, y, surface.sagitta(y))
         })
         .collect()
+}
+
+/// Returns the two ends of the bars of the stop, from the aperture to `outer` mm from the axis.
+pub fn stop_bars(lens: &Lens, stop: usize, outer: f64) -> [[[f64; 2]; 2]; 2] {
+    let (frame, radius) = (lens.frames()[stop], lens.surfaces[stop].semi_diameter);
+    [-1.0, 1.0].map(|side| [placed(&frame, side * radius, 0.0), placed(&frame, side * outer, 0.0)])
+}
+
+/// Returns the ends of the film, whose half height is `half`, at z = `film` in image space, as (z, y).
+pub fn film_ends(lens: &Lens, film: f64, half: f64) -> [[f64; 2]; 2] {
+    [-half, half].map(|y| {
+        let [_, y, z] = lens.from_image_space([0.0, y, film]);
+        [z, y]
+    })
 }
 
 /// Returns the outline of every element: the glass between two surfaces, with a cylindrical edge as wide as the wider
 /// surface.
 pub fn elements(lens: &Lens) -> Vec<Vec<[f64; 2]>> {
-    lens.surfaces
-        .windows(2)
-        .filter(|pair| pair[0].n_film != 1.0)
-        .map(|pair| {
+    let frames = lens.frames();
+    std::iter::zip(lens.surfaces.windows(2), frames.windows(2))
+        .filter(|(pair, _)| pair[0].n_film != 1.0 && !pair[1].is_mirror)
+        .map(|(pair, frames)| {
             let radius = pair[0].semi_diameter.max(pair[1].semi_diameter);
-            let mut outline = arc(&pair[0]);
-            let edge_point =
-                |surface: &Surface, y: f64| [surface.vertex + surface.sagitta(surface.semi_diameter), y];
-            outline.extend([edge_point(&pair[0], radius), edge_point(&pair[1], radius)]);
-            outline.extend(arc(&pair[1]).into_iter().rev());
-            outline.extend([edge_point(&pair[1], -radius), edge_point(&pair[0], -radius)]);
+            let mut outline = arc(&pair[0], &frames[0]);
+            let edge_point = |i: usize, y: f64| placed(&frames[i], y, pair[i].sagitta(pair[i].semi_diameter));
+            outline.extend([edge_point(0, radius), edge_point(1, radius)]);
+            outline.extend(arc(&pair[1], &frames[1]).into_iter().rev());
+            outline.extend([edge_point(1, -radius), edge_point(0, -radius)]);
             outline
         })
         .collect()

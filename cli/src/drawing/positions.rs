@@ -82,7 +82,7 @@ pub fn draw(panels: &[PositionPanel], options: &PositionsOptions<'_>) -> Page {
         section::draw_lens(&mut page, view, &panel.lens);
         let rays = Rays::new(&panel.lens, film(panel));
         legend = section::bundles(&mut page, view, &rays, half, options.rays);
-        section::film_line(&mut page, view, film(panel), half);
+        section::film_line(&mut page, view, &panel.lens, film(panel), half);
     }
     // A line starts at the first vertex of each group; behind the last gap is the film, not a group.
     let last = first.surfaces.len() - 1;

@@ -16,9 +16,12 @@ pub struct TracedRay {
 /// A lens prepared for drawing rays.
 #[derive(Debug)]
 pub struct Rays {
+    lens: Lens,
     path: Path,
     field: Field,
     film: f64,
+    /// -1 for a lens that is symmetric, whose bundles are drawn below the axis of the scene, else 1.
+    side: f64,
 }
 
 /// Distance beyond the edges of the beam, as a fraction of the beam's width, to which rays are drawn, so that the
@@ -26,9 +29,11 @@ pub struct Rays {
 const BEYOND: f64 = 0.12;
 
 impl Rays {
-    /// Prepares a lens with film at `film` (z in lens space).
+    /// Prepares a lens with film at `film` (z in image space).
     pub fn new(lens: &Lens, film: f64) -> Self {
-        Self { path: Path::film_to_scene(lens), field: Field::new(lens, film), film }
+        let side = if lens.is_centred() { -1.0 } else { 1.0 };
+        let (path, field) = (Path::film_to_scene(lens), Field::new(lens, film));
+        Self { lens: lens.clone(), path, field, film, side }
     }
 
     /// Returns the radius to which the film gets light, at most `radius` mm.
@@ -47,16 +52,16 @@ impl Rays {
         (0..count)
             .map(|i| {
                 let share = if count > 1 { f64::from(i) / f64::from(count - 1) } else { 0.5 };
-                // The beam belongs to the point above the axis, and the drawing shows its mirror
-                // image.
-                self.trace(-height, -(low + share * (high - low)))
+                // The beam belongs to the point above the axis, and the drawing of a symmetric lens shows its mirror image.
+                self.trace(self.side * height, self.side * (low + share * (high - low)))
             })
             .collect()
     }
 
     fn trace(&self, height: f64, slope: f64) -> TracedRay {
         let ray = Ray { origin: [0.0, height, self.film], direction: [0.0, slope, 1.0] };
-        let mut points = vec![[self.film, height]];
+        let [_, y, z] = self.lens.from_image_space(ray.origin);
+        let mut points = vec![[z, y]];
         let walk = self.path.walk_by(ray, |_, [_, y, z]| points.push([z, y]));
         let [_, dy, dz] = walk.ray.direction;
         TracedRay { points, onward: walk.blocked.is_none().then_some([dz, dy]) }

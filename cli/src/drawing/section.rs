@@ -44,7 +44,8 @@ const PUPIL_MOST: f64 = 2.0;
 /// Draws the lens.
 pub fn draw(lens: &Lens, options: &SectionOptions<'_>) -> Page {
     let film = lens.rear().vertex - options.film_distance;
-    let marks = marks::all(lens);
+    // Points and planes of the film's side lie in image space.
+    let marks = if is_unfolded(lens) { marks::all(lens) } else { Vec::new() };
     let view = window(lens, film, options.film_diagonal, &marks);
     let mut page = Page::new(WIDTH, HEAD + view.frame.height + FOOT);
     title(&mut page, lens, &numbers(lens), options.title);
@@ -61,7 +62,7 @@ pub fn draw(lens: &Lens, options: &SectionOptions<'_>) -> Page {
             vec![(name, Stroke::new(COLORS[2], 2.0))]
         }
     };
-    film_line(&mut page, &view, film, half);
+    film_line(&mut page, &view, lens, film, half);
     name_marks(&mut page, &view, lens, film, half, &marks);
     footer(&mut page, &view, legend);
     page
@@ -74,17 +75,18 @@ pub(super) fn draw_lens(page: &mut Page, view: &View, lens: &Lens) {
     for element in glass::elements(lens) {
         page.area(on_page(&element), GLASS, EDGE);
     }
-    for (index, surface) in lens.surfaces.iter().enumerate() {
+    for ((index, surface), arc) in lens.surfaces.iter().enumerate().zip(glass::arcs(lens)) {
+        if surface.is_mirror {
+            page.line(on_page(&arc), Stroke::new(INK, 2.5));
+            continue;
+        }
         // An interface beside no element would otherwise be invisible. The media of scene and film are not drawn.
         let ends_element = index > 0 && surface.n_scene != 1.0;
         let begins_element = index + 1 < lens.surfaces.len() && surface.n_film != 1.0;
         if !ends_element && !begins_element && !surface.is_stop {
-            page.line(on_page(&glass::arc(surface)), EDGE.dashed("4 3"));
+            page.line(on_page(&arc), EDGE.dashed("4 3"));
         } else if surface.is_stop {
-            let radius = surface.semi_diameter;
-            let outer = stop_bar(lens, index);
-            for side in [-1.0, 1.0] {
-                let bar = [[surface.vertex, side * radius], [surface.vertex, side * outer]];
+            for bar in glass::stop_bars(lens, index, stop_bar(lens, index)) {
                 page.line(on_page(&bar), Stroke::new(INK, 4.0));
             }
         }
@@ -92,8 +94,9 @@ pub(super) fn draw_lens(page: &mut Page, view: &View, lens: &Lens) {
 }
 
 /// Draws the film.
-pub(super) fn film_line(page: &mut Page, view: &View, film: f64, half: f64) {
-    page.line([-half, half].map(|y| view.at([-film, y])), Stroke::new(INK, 3.0));
+pub(super) fn film_line(page: &mut Page, view: &View, lens: &Lens, film: f64, half: f64) {
+    let ends = glass::film_ends(lens, film, half);
+    page.line(ends.map(|[z, y]| view.at([-z, y])), Stroke::new(INK, 3.0));
 }
 
 pub(super) fn stop_bar(lens: &Lens, index: usize) -> f64 {
@@ -102,8 +105,16 @@ pub(super) fn stop_bar(lens: &Lens, index: usize) -> f64 {
     widest.max(1.3 * lens.surfaces[index].semi_diameter)
 }
 
+/// Returns whether image space is lens space.
+fn is_unfolded(lens: &Lens) -> bool {
+    lens.is_centred() && !lens.has_mirror()
+}
+
 /// Returns the drawing's window, in which -z is the horizontal coordinate.
 fn window(lens: &Lens, film: f64, diagonal: f64, marks: &[AxialMark]) -> View {
+    if !is_unfolded(lens) {
+        return around(lens, film, diagonal);
+    }
     let ends = |edge: fn(f64, f64) -> f64, start: f64| {
         lens.surfaces
             .iter()
@@ -127,6 +138,21 @@ fn window(lens: &Lens, film: f64, diagonal: f64, marks: &[AxialMark]) -> View {
     let up = 1.12 * pupils.fold(radius, f64::max);
     let across = [-front - spare, -rear + spare];
     View::fit([MARGIN, HEAD], WIDTH - 2.0 * MARGIN, [160.0, 620.0], across, [-up, up])
+}
+
+/// Returns a window around all surfaces and the film.
+fn around(lens: &Lens, film: f64, diagonal: f64) -> View {
+    let mut points = glass::arcs(lens).concat();
+    points.extend(glass::film_ends(lens, film, diagonal / 2.0));
+    let range = |i: usize| {
+        let low = points.iter().map(|point| point[i]).fold(f64::INFINITY, f64::min);
+        let high = points.iter().map(|point| point[i]).fold(f64::NEG_INFINITY, f64::max);
+        let margin = 0.08 * (high - low);
+        [low - margin, high + margin]
+    };
+    let ([rear, front], [low, high]) = (range(0), range(1));
+    let across = [-front - 0.15 * (front - rear), -rear];
+    View::fit([MARGIN, HEAD], WIDTH - 2.0 * MARGIN, [160.0, 620.0], across, [low, high])
 }
 
 /// Formats focal length and f-number.
@@ -210,13 +236,11 @@ struct Label {
 /// Writes the names of pupils, stop and film above the drawing, of points and planes below it, and of
 /// marks outside it in a row of their own.
 fn name_marks(page: &mut Page, view: &View, lens: &Lens, film: f64, half: f64, marks: &[AxialMark]) {
-    let mut over = vec![Label {
-        text: "film".to_owned(),
-        anchor: view.at([-film, 0.0])[0],
-        leader: Some(view.at([-film, half])),
-    }];
+    let [_, film_top] = glass::film_ends(lens, film, half).map(|[z, y]| view.at([-z, y]));
+    let mut over = vec![Label { text: "film".to_owned(), anchor: film_top[0], leader: Some(film_top) }];
     if let Some(stop) = lens.stop_index() {
-        let top = view.at([-lens.surfaces[stop].vertex, stop_bar(lens, stop)]);
+        let [_, [_, [z, y]]] = glass::stop_bars(lens, stop, stop_bar(lens, stop));
+        let top = view.at([-z, y]);
         over.push(Label { text: "stop".to_owned(), anchor: top[0], leader: Some(top) });
     }
     let (mut under, mut outside) = (Vec::new(), Vec::new());

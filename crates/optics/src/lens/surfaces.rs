@@ -355,6 +355,40 @@ impl Lens {
         self.surfaces.first().expect("a lens has at least one surface")
     }
 
+    /// Returns the frames of the surfaces and then that of the film, as changes from the camera's frame, in which z points
+    /// toward the film. The film's frame has its origin where the film distance begins.
+    pub fn frames(&self) -> Vec<CoordinateBreak> {
+        let breaks = self.surfaces.iter().map(|surface| surface.coordinate_break).chain([self.film_break]);
+        let gaps = std::iter::once(0.0).chain(self.surfaces.iter().map(|surface| surface.thickness));
+        let mut frame = CoordinateBreak::NONE;
+        let next = |(own, gap): (Option<CoordinateBreak>, f64)| {
+            frame = frame.then(&CoordinateBreak::shifted([0.0, 0.0, gap]));
+            frame = own.map_or(frame, |own| frame.then(&own));
+            frame
+        };
+        breaks.zip(gaps).map(next).collect()
+    }
+
+    /// Returns a point of image space in lens space.
+    pub fn from_image_space(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        let film = self.frames().pop().unwrap_or(CoordinateBreak::NONE);
+        let [x, y, z] = film.point([x, y, self.rear_sagitta(self.rear().vertex - z)]);
+        [x, y, -z]
+    }
+
+    /// Returns the lens turned by 90 degrees about the camera's axis, with its film: its section in the meridian y is that
+    /// of this lens in x.
+    #[must_use]
+    pub fn turned(&self) -> Self {
+        let turn = CoordinateBreak::tilted([0.0, 0.0, 90.0]);
+        let mut lens = self.clone();
+        let first = lens.surfaces[0].coordinate_break.unwrap_or(CoordinateBreak::NONE);
+        lens.surfaces[0].coordinate_break = Some(turn.then(&first));
+        let film = lens.film_break.unwrap_or(CoordinateBreak::NONE);
+        lens.film_break = Some(film.then(&turn.inverse()));
+        lens
+    }
+
     /// Returns a sagitta of the rear surface, positive toward the scene in lens space, in image space, where z points
     /// from the film along the light's way back (see `trace::path`).
     pub fn rear_sagitta(&self, sagitta: f64) -> f64 {

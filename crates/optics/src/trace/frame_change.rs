@@ -83,17 +83,13 @@ pub(super) fn along<R: Real>(lens: &Lens, forward: bool) -> Vec<Option<FrameChan
 /// space.
 pub(super) fn places(lens: &Lens, forward: bool) -> Vec<FrameChange<f64>> {
     let Chain { signs, .. } = Chain::of(lens);
-    let mut frame = CoordinateBreak::NONE;
-    let mut gap = 0.0;
+    let frames = lens.frames();
     let mut all = Vec::with_capacity(lens.surfaces.len());
-    for (i, surface) in lens.surfaces.iter().enumerate() {
-        frame = frame.then(&CoordinateBreak::shifted([0.0, 0.0, gap]));
-        frame = surface.coordinate_break.map_or(frame, |own| frame.then(&own));
-        gap = surface.thickness;
+    for (i, frame) in frames.iter().enumerate().take(lens.surfaces.len()) {
         // Rays meet the surface in the medium in front of it, or behind it; a mirror is met in one medium from one side.
         let arrives_along_z = if forward { signs[i] > 0.0 } else { signs[i + 1] < 0.0 };
         let sign = if arrives_along_z { 1.0 } else { -1.0 };
-        let mut place = FrameChange::<f64>::of(&frame);
+        let mut place = FrameChange::<f64>::of(frame);
         for (j, row) in place.rotation.iter_mut().enumerate() {
             // z of lens space points toward the scene.
             let outer = if j == 2 { -1.0 } else { 1.0 };
