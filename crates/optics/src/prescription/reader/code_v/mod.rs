@@ -68,6 +68,7 @@ pub(super) fn read(
         object_distance,
         surfaces,
         thicknesses,
+        image_break: None,
         places,
         aperture: system::aperture(text, &blocks, is_distant, ledger)?,
         field: system::field(text, &blocks)?,

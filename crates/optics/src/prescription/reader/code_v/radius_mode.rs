@@ -135,7 +135,7 @@ fn decided(lens: &mut SequentialLens, numbers: &[Numbers]) -> Option<(Mode, &'st
 
 fn paraxial(lens: &SequentialLens) -> Paraxial {
     let wavelength = lens.wavelength.map_or(D_LINE, |(wavelength, _)| wavelength);
-    Paraxial::of(lens.object.medium, &lens.surfaces, &lens.thicknesses, wavelength)
+    lens.paraxial(wavelength)
 }
 
 /// Returns whether no sphere is narrower than its aperture or, in front, than the entering beam.

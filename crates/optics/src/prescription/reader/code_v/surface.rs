@@ -47,6 +47,7 @@ pub(super) fn read(
         apertures: aperture.others,
         is_stop,
         general: Default::default(),
+        break_behind: None,
     })
 }
 

@@ -48,11 +48,12 @@ pub(super) fn read(
         );
     };
     let stop = sections.lens.iter().position(|row| role(&row.cell(1)) == Role::Stop);
-    let (positions, stated_focal_length, stated) = sections.resolve(text, &mut rows, &gaps, stop, ledger)?;
+    let (mut positions, stated_focal_length, stated) =
+        sections.resolve(text, &mut rows, &gaps, stop, ledger)?;
     let at = |row: usize, message: &str| text.error(sections.lens[row].location, message);
     let mut interfaces = surface_rows::interfaces(&rows, Medium::Air, &at, ledger)?;
     surface_rows::film_in_air(&interfaces, &at)?;
-    surface_rows::positions_in_order(Medium::Air, &interfaces, positions.as_ref(), &at)?;
+    surface_rows::positions_in_order(Medium::Air, &interfaces, positions.as_mut(), &at)?;
     let back = std::mem::take(&mut interfaces[last].thickness);
     let (glasses, remarks) = glasses.glasses_and_warnings(text.file);
     for (rows, name) in
