@@ -207,15 +207,21 @@ pub(super) fn film_in_air(interfaces: &[Interface], at: AtRow<'_>) -> Result<(),
 /// # Errors
 /// A row lies in front of the row before it. The error is about the first such row.
 pub(super) fn in_order(object: Medium, interfaces: &[Interface], at: AtRow<'_>) -> Result<(), LensFileError> {
+    let signs = light_signs(interfaces);
     let wrong = |number: usize| {
         let thickness = short(interfaces[number].thickness);
-        let message = format!(
-            "thickness {thickness} mm: vertices stand in order, so it is 0 or more (but beside a stop, and together with the \
-             thickness on its other side)"
-        );
+        let message = if signs[number] < 0.0 {
+            format!(
+                "thickness {thickness} mm: behind an odd number of mirrors light goes back, and thicknesses are 0 or less"
+            )
+        } else {
+            format!(
+                "thickness {thickness} mm: vertices stand in order, so it is 0 or more (but beside a stop, and together with \
+                 the thickness on its other side)"
+            )
+        };
         at(number, &message)
     };
-    let signs = light_signs(interfaces);
     let along = |row: usize| signs[row] * interfaces[row].thickness;
     for mut span in spans(object, interfaces) {
         let is_turned =

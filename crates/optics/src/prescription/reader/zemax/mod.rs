@@ -24,6 +24,7 @@ mod unsymmetric;
 use super::{
     ledger::Ledger,
     named_glass::NamedGlasses,
+    reflections,
     sequential::{
         self, Aperture, Effective, Frames, Paraxial, ROUNDING, SequentialSurface, has_range, let_through,
         light_sign, positions, surface_row,
@@ -156,7 +157,7 @@ pub(super) fn read(
     }
     let Frames { breaks, film_break, .. } = &all_frames[0];
     let film_break = *film_break;
-    let gaps: Vec<Vec<f64>> = all_frames.iter().map(|frames| frames.gaps.clone()).collect();
+    let mut gaps: Vec<Vec<f64>> = all_frames.iter().map(|frames| frames.gaps.clone()).collect();
     let mut rows = Vec::with_capacity(effective.len());
     for (row, &i) in effective.iter().enumerate() {
         let place = (gaps[0][row], breaks[row]);
@@ -168,6 +169,16 @@ pub(super) fn read(
             );
             text.error(own[i].location, message)
         })?);
+    }
+    let moves = |row: usize| gaps.iter().any(|column| column[row] != gaps[0][row]);
+    let origins = reflections::join(&mut rows, in_front, moves);
+    let effective: Vec<usize> = origins.iter().map(|own| effective[own.row]).collect();
+    for column in &mut gaps {
+        *column = origins.iter().map(|own| column[own.gap]).collect();
+    }
+    for (row, reason) in reflections::obstructions(&mut rows, in_front) {
+        let block = &own[effective[row]];
+        ledger.warn(Fate::Replaced, block.location, "SURF", Some(block.number), reason);
     }
     let Some(last) = rows.len().checked_sub(1) else {
         return Err(text.error(own[0].location, "no surface does anything; expected a lens"));

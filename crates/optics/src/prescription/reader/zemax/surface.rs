@@ -13,6 +13,7 @@ use crate::prescription::{
         ledger::Ledger,
         named_glass::NamedGlasses,
         record::Record,
+        reflections::MIRROR_INDEX,
         sequential::{SequentialSurface, asphere, set_term},
         surface_rows::{General, MediumBehind, checked, index},
         text::{Text, no_number},
@@ -48,8 +49,7 @@ pub(super) fn read(
         None if kind == "TILTSURF" => (0.0, asphere(0.0, terms(text, block, 0.0, ledger)?)),
         None => (curvature, asphere(conic, terms(text, block, curvature, ledger)?)),
     };
-    let is_mirror =
-        block.find("GLAS").and_then(|record| record.word(0)).is_some_and(|name| name.is("MIRROR"));
+    let is_mirror = block.find("GLAS").is_some_and(is_mirror);
     let behind = match block.find("GLAS") {
         _ if is_mirror => in_front,
         Some(record) => glass(text, block, record, glasses)?,
@@ -92,6 +92,13 @@ pub(super) fn read(
         general: General { unsymmetric, is_mirror, coordinate_break: front },
         break_behind,
     })
+}
+
+/// Returns whether `GLAS` makes the surface a mirror: by `MIRROR`, or by a model glass of the index -1.
+fn is_mirror(record: &Record<'_>) -> bool {
+    let is_model = record.number_if_any(1) == Some(1.0);
+    record.word(0).is_some_and(|name| name.is("MIRROR"))
+        || is_model && record.number_if_any(3) == Some(MIRROR_INDEX)
 }
 
 /// Returns the surface of a coordinate break, which only changes the frame.
@@ -241,7 +248,8 @@ fn glass(
         return match n_d {
             Some(n_d) if n_d < 0.0 => {
                 let message = format!(
-                    "surface {} is a mirror, written by its index {n_d}; only lenses that refract are traced",
+                    "surface {} is a mirror, written by its index {n_d}; write GLAS MIRROR, and positive indices behind it with \
+                     negative thicknesses",
                     block.number
                 );
                 Err(text.error(location, message))

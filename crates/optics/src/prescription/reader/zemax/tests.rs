@@ -229,7 +229,16 @@ fn unsupported_surfaces_are_refused_by_name_with_their_line() {
     refused(&kind("DGRATING"), "29:3", &["surface 3 is a grating"]);
     refused(&kind("PARAXIAL"), "29:3", &["surface 3 is an ideal thin lens", "no étendue"]);
     refused(&kind("BINARY_2"), "29:3", &["surface 3 is of type BINARY_2"]);
-    refused(&with("N-BK7", "___BLANK 1 0 -1"), "26:3", &["surface 2 is a mirror, written by its index -1"]);
+    refused(
+        &with("N-BK7 0 0 1.5", "___BLANK 1 0 -1.5"),
+        "26:3",
+        &["surface 2 is a mirror, written by its index -1.5"],
+    );
+    refused(
+        &with("N-BK7 0 0 1.5", "___BLANK 1 0 -1"),
+        "21:1",
+        &["thickness 4 mm: behind an odd number of mirrors"],
+    );
     refused(
         &with("  STOP", "  SCBD 0 0 0 0 0 5 0 0"),
         "41:3",
@@ -426,4 +435,45 @@ fn paraxial_rays_follow_mirrors() {
         "{sizes:?} {expected:?}"
     );
     assert_eq!(lens.nominal_film_distance, Some(90.0));
+}
+
+#[test]
+fn a_mirror_behind_glass_in_three_surfaces_is_one() {
+    // A plate, a plane as large as the secondary, a Mangin mirror, and a secondary mirror behind glass.
+    let glass = "  GLAS ___BLANK 1 0 1.5 60\n";
+    let mirror = "  GLAS ___BLANK 1 0 -1 0\n";
+    let surface = |(i, (curvature, thickness, glass, size)): (usize, (f64, f64, &str, f64))| {
+        format!("SURF {}\n  CURV {curvature}\n  DISZ {thickness}\n{glass}  DIAM {size} 1\n", i + 1)
+    };
+    let rows = [
+        (0.0, 5.0, glass, 44.5),
+        (0.0, 60.0, "", 44.5),
+        (0.0, 35.0, "", 15.49),
+        (-0.004, 8.0, glass, 43.0),
+        (-0.003, 0.0, "", 43.0),
+        (-0.003, 0.0, mirror, 43.0),
+        (-0.003, -8.0, glass, 43.0),
+        (-0.004, -32.0, "", 43.0),
+        (-0.002, -3.0, glass, 15.5),
+        (-0.003, 0.0, "", 15.49),
+        (-0.003, 0.0, mirror, 15.49),
+        (-0.003, 3.0, glass, 15.49),
+        (-0.002, 90.0, "", 15.5),
+    ];
+    let rows: String = rows.into_iter().enumerate().map(surface).collect();
+    let lens = ok(&format!("SURF 0\n  DISZ INFINITY\n{rows}SURF 14\n"));
+    let [_, _, plane, front, primary, .., secondary, last] = lens.interfaces.as_slice() else {
+        panic!("{lens:?}")
+    };
+    assert_eq!(lens.interfaces.len(), 9);
+    assert!(primary.is_mirror && secondary.is_mirror && !front.is_mirror);
+    assert_eq!((primary.medium, primary.thickness), (front.medium, -8.0));
+    assert_eq!(
+        (secondary.thickness, last.medium, lens.nominal_film_distance),
+        (3.0, Medium::Air, Some(90.0))
+    );
+    // The plane lets light pass outside of it.
+    assert_eq!(plane.semi_diameter, 44.5);
+    assert!(plane.apertures[0].is_obstruction && plane.apertures[0].reach() == 15.49, "{plane:?}");
+    assert!(lens.remarks[0].contains("surface 3: a plane in air of diameter 30.98 mm"), "{:?}", lens.remarks);
 }
