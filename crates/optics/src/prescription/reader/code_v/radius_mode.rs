@@ -159,5 +159,5 @@ fn is_within_spheres(lens: &SequentialLens) -> bool {
 /// Returns whether the paraxial image is where the file has its image.
 fn is_in_focus(lens: &SequentialLens) -> bool {
     let back = lens.thicknesses.last().copied().unwrap_or(0.0);
-    back > 0.0 && paraxial(lens).defocus(lens.object_distance, back) < IN_FOCUS
+    back != 0.0 && paraxial(lens).defocus(lens.object_distance, back) < IN_FOCUS
 }
