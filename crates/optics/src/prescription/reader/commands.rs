@@ -178,8 +178,8 @@ pub(super) type NoEffect = &'static [(&'static str, &'static [&'static str])];
 const UNKNOWN: &str = "a statement that this reader does not know";
 
 /// Records the fates of the commands about the whole lens and about its surfaces, as far as they have none yet, and of
-/// the comments. Statements of the object and the image, the first surface and the last, are informative. Another
-/// command is used if its values were read, and informative if it is known to have no effect on rays; other commands
+/// the comments. Statements of the object and the image, the first surface and the last, are informative unless their
+/// fate is recorded. Another command is used if its values were read, and informative if it is known to have no effect on rays; other commands
 /// are left out by name.
 pub(super) fn record_fates<'c, 't: 'c>(
     general: impl Iterator<Item = &'c Command<'t>>,
@@ -189,6 +189,9 @@ pub(super) fn record_fates<'c, 't: 'c>(
     ledger: &mut Ledger<'_>,
 ) {
     for statement in surfaces.first().into_iter().chain(surfaces.last()).flat_map(|block| &block.statements) {
+        if ledger.is_noted(statement.location()) {
+            continue;
+        }
         let reason = "describes the object or the image, which are the user's";
         ledger.note(Fate::Informative, statement.location(), &statement.key, None, reason);
     }

@@ -25,6 +25,7 @@ mod optical_bench;
 mod oslo;
 mod physical_camera;
 mod record;
+mod reflections;
 mod sequential;
 mod surface_rows;
 mod table;

@@ -207,15 +207,21 @@ pub(super) fn film_in_air(interfaces: &[Interface], at: AtRow<'_>) -> Result<(),
 /// # Errors
 /// A row lies in front of the row before it. The error is about the first such row.
 pub(super) fn in_order(object: Medium, interfaces: &[Interface], at: AtRow<'_>) -> Result<(), LensFileError> {
+    let signs = light_signs(interfaces);
     let wrong = |number: usize| {
         let thickness = short(interfaces[number].thickness);
-        let message = format!(
-            "thickness {thickness} mm: vertices stand in order, so it is 0 or more (but beside a stop, and together with the \
-             thickness on its other side)"
-        );
+        let message = if signs[number] < 0.0 {
+            format!(
+                "thickness {thickness} mm: behind an odd number of mirrors light goes back, and thicknesses are 0 or less"
+            )
+        } else {
+            format!(
+                "thickness {thickness} mm: vertices stand in order, so it is 0 or more (but beside a stop, and together with \
+                 the thickness on its other side)"
+            )
+        };
         at(number, &message)
     };
-    let signs = light_signs(interfaces);
     let along = |row: usize| signs[row] * interfaces[row].thickness;
     for mut span in spans(object, interfaces) {
         let is_turned =
@@ -238,23 +244,29 @@ pub(super) fn light_signs(interfaces: &[Interface]) -> Vec<f64> {
     interfaces.iter().scan(1.0, turned).collect()
 }
 
-/// Checks at each of the positions that the vertices are in order, as [`in_order`] does.
+/// Checks at each of the positions that the vertices are in order, as [`in_order`] does. Then counts the distance to the
+/// film along the light, as positions have it: that of a row is negative behind an odd number of mirrors.
 ///
 /// # Errors
 /// Returns the error of [`in_order`], together with the position at which it occurs.
 pub(super) fn positions_in_order(
     object: Medium,
     interfaces: &[Interface],
-    positions: Option<&Positions>,
+    positions: Option<&mut Positions>,
     at: AtRow<'_>,
 ) -> Result<(), LensFileError> {
     let Some(positions) = positions else { return Ok(()) };
-    for (number, column) in positions.columns.iter().enumerate() {
+    let last = interfaces.len() - 1;
+    let sign = light_signs(interfaces)[last];
+    for (number, column) in positions.columns.iter_mut().enumerate() {
         let mut placed = interfaces.to_vec();
         for (&row, &gap) in positions.gaps.iter().zip(&column.gaps) {
             placed[row].thickness = gap;
         }
         in_order(object, &placed, &|row, message| at(row, &format!("position {}: {message}", number + 1)))?;
+        if let Some(at_film) = positions.gaps.iter().position(|&row| row == last) {
+            column.gaps[at_film] *= sign;
+        }
     }
     Ok(())
 }

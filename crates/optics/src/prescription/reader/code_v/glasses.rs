@@ -62,7 +62,7 @@ impl<'a> Glasses<'a> {
     /// Returns the medium behind a surface.
     ///
     /// # Errors
-    /// The glass is not known, or the surface is a mirror.
+    /// The glass is not known.
     pub(super) fn behind(
         &mut self,
         text: &Text<'_>,
@@ -70,11 +70,6 @@ impl<'a> Glasses<'a> {
         ledger: &mut Ledger<'_>,
     ) -> Result<MediumBehind, LensFileError> {
         let values = block.entry.record.values();
-        if let Some(mode) = values.iter().skip(2).find(|word| is_reflection(word)) {
-            let message =
-                format!("surface {} is a mirror ({mode}); only lenses that refract are traced", block.number);
-            return Err(text.error(mode.location, message));
-        }
         if let Some(more) = values.get(3).filter(|word| !word.is("REFR")) {
             let message = format!(
                 "\"{more}\" behind the glass; expected nothing more, with a glass such as NBK7_SCHOTT, 517642 or 1.517:64.2"
@@ -130,8 +125,10 @@ enum Fault {
 }
 
 /// Returns whether a word behind the thickness makes the surface a mirror.
-fn is_reflection(word: &Cell<'_>) -> bool {
-    ["REFL", "REF", "REFLECT", "TIR"].iter().any(|known| word.is(known))
+pub(super) fn is_mirror(block: &Block<'_>) -> bool {
+    let is_reflection =
+        |word: &Cell<'_>| ["REFL", "REF", "REFLECT", "TIR"].iter().any(|known| word.is(known));
+    block.entry.record.values().iter().skip(2).any(is_reflection)
 }
 
 /// Returns the glass of a definition in the file's catalogue.

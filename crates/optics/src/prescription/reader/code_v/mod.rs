@@ -2,10 +2,11 @@
 //! image, each with its radius or curvature, its thickness and the glass behind it. Semi-diameters are in `CIR`.
 //!
 //! `blocks` assigns the statements to the surfaces. `system` reads the statements about the whole lens, `surface` and
-//! `shapes` those about a surface, and `glasses` the glasses. `radius_mode` finds whether `S` states radii or
+//! `shapes` those about a surface, `frames` its changes of frame, and `glasses` the glasses. `radius_mode` finds whether `S` states radii or
 //! curvatures. `statements` has the keywords without an effect.
 
 mod blocks;
+mod frames;
 mod glasses;
 mod radius_mode;
 mod shapes;
@@ -16,7 +17,7 @@ mod system;
 use super::{
     commands::{Block, record_fates},
     ledger::Ledger,
-    sequential::{CURVED_IMAGE, SequentialLens, SurfacePlaces},
+    sequential::{CURVED_IMAGE, SequentialLens, SequentialSurface, SurfacePlaces},
     surface_rows::checked,
     text::{Location, Text},
 };
@@ -41,11 +42,13 @@ pub(super) fn read(
         ledger.warn(Fate::Replaced, object.entry.location(), "SO", Some("0"), reason);
     });
     let object_distance = surface::object_distance(text, object)?;
-    let mut surfaces = Vec::with_capacity(own.len());
+    frames::check_object(text, object)?;
+    let mut surfaces: Vec<SequentialSurface> = Vec::with_capacity(own.len());
     let mut thicknesses = Vec::with_capacity(own.len());
     let mut places = Vec::with_capacity(own.len());
     for block in own {
-        surfaces.push(surface::read(text, block, &mut glasses, ledger)?);
+        let in_front = surfaces.last().map_or(front, |before| before.behind);
+        surfaces.push(surface::read(text, block, in_front, &mut glasses, ledger)?);
         thicknesses.push(surface::thickness(text, block)?);
         places.push(SurfacePlaces {
             surface: block.entry.location(),
@@ -61,6 +64,10 @@ pub(super) fn read(
             ledger.warn(Fate::Replaced, image.entry.location(), "SI", None, CURVED_IMAGE);
         }
     }
+    let [image_break, _] = frames::read(text, image, false)?;
+    for statement in image.statements.iter().filter(|own| frames::KEYS.contains(&own.key.as_str())) {
+        ledger.note(Fate::Used, statement.location(), &statement.key, None, "");
+    }
     let is_distant = object_distance.is_infinite();
     let mut lens = SequentialLens {
         object: front,
@@ -68,6 +75,7 @@ pub(super) fn read(
         object_distance,
         surfaces,
         thicknesses,
+        image_break,
         places,
         aperture: system::aperture(text, &blocks, is_distant, ledger)?,
         field: system::field(text, &blocks)?,

@@ -135,7 +135,7 @@ fn decided(lens: &mut SequentialLens, numbers: &[Numbers]) -> Option<(Mode, &'st
 
 fn paraxial(lens: &SequentialLens) -> Paraxial {
     let wavelength = lens.wavelength.map_or(D_LINE, |(wavelength, _)| wavelength);
-    Paraxial::of(lens.object.medium, &lens.surfaces, &lens.thicknesses, wavelength)
+    lens.paraxial(wavelength)
 }
 
 /// Returns whether no sphere is narrower than its aperture or, in front, than the entering beam.
@@ -159,5 +159,5 @@ fn is_within_spheres(lens: &SequentialLens) -> bool {
 /// Returns whether the paraxial image is where the file has its image.
 fn is_in_focus(lens: &SequentialLens) -> bool {
     let back = lens.thicknesses.last().copied().unwrap_or(0.0);
-    back > 0.0 && paraxial(lens).defocus(lens.object_distance, back) < IN_FOCUS
+    back != 0.0 && paraxial(lens).defocus(lens.object_distance, back) < IN_FOCUS
 }

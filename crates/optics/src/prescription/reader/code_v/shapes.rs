@@ -1,6 +1,6 @@
 //! The apertures of a surface. `CIR` is a semi-diameter, `REX` and `REY` are half widths, `ELX` and `ELY` semi-axes,
-//! and `ADX` and `ADY` the place of the centre. A qualifier makes the aperture an obstruction (`OBS`), a hole (`HOL`) or
-//! the edge of the glass (`EDG`), and a label tells apertures of one surface apart (`L'A'`).
+//! and `ADX` and `ADY` the place of the centre. A qualifier makes the aperture an obstruction (`OBS`), the hole of a mirror
+//! (`HOL`), which reflects nothing, or the edge of the glass (`EDG`), and a label tells apertures of one surface apart (`L'A'`).
 
 use crate::prescription::{
     Aperture, Fate, LensFileError, Outline,
@@ -42,6 +42,7 @@ struct Draft<'b, 't> {
 pub(super) fn read(
     text: &Text<'_>,
     block: &Block<'_>,
+    is_mirror: bool,
     ledger: &mut Ledger<'_>,
 ) -> Result<SurfaceAperture, LensFileError> {
     let mut drafts: Vec<Draft<'_, '_>> = Vec::new();
@@ -62,7 +63,11 @@ pub(super) fn read(
                 "OBS" => is_obstruction = true,
                 "EDG" => is_edge = true,
                 "HOL" if size == 0.0 => {}
-                "HOL" => return Err(block.refused(text, statement, "has a hole, which is not traced")),
+                "HOL" if is_mirror => is_obstruction = true,
+                "HOL" => {
+                    let what = "has a hole and is no mirror, so that it is unsure what the hole does; delete the statement";
+                    return Err(block.refused(text, statement, what));
+                }
                 own if own.starts_with('L') => label = word.text,
                 _ => {
                     let message = format!(

@@ -11,9 +11,10 @@ use crate::prescription::{
 };
 
 /// Keywords of statements about a surface that are read.
-const OF_SURFACE: [&str; 30] = [
+const OF_SURFACE: [&str; 36] = [
     "STO", "SLB", "COM", "SPH", "CON", "ASP", "K", "A", "B", "C", "D", "E", "F", "G", "H", "J", "CUY", "RDY",
-    "THI", "CIR", "REX", "REY", "ELX", "ELY", "ADX", "ADY", "ARO", "DAR", "BEN", "REV",
+    "THI", "CIR", "REX", "REY", "ELX", "ELY", "ADX", "ADY", "ARO", "DAR", "BEN", "REV", "XDE", "YDE", "ZDE",
+    "ADE", "BDE", "CDE",
 ];
 /// Keywords of statements about a surface for the optimiser and the tolerances.
 const COUPLINGS: &[&str] = &[
@@ -23,7 +24,7 @@ const COUPLINGS: &[&str] = &[
 
 /// Features of surfaces that are not traced, with their keywords.
 pub(super) const UNTRACED: Untraced = &[
-    ("has a tilt or decentring", &["XDE", "YDE", "ZDE", "ADE", "BDE", "CDE", "XOD", "YOD", "ZOD"]),
+    ("has an offset of the axis of its tilts", &["XOD", "YOD", "ZOD"]),
     ("has its place from another surface", &["RET", "GLB", "NAX"]),
     ("is a cylinder or toroid", &["CYL", "CUX", "RDX", "XTO", "YTO"]),
     (

@@ -1,6 +1,6 @@
 //! A surface of the file: its figure, thickness, aperture and role. Surfaces that are not traced are refused.
 
-use super::{glasses::Glasses, shapes, statements::UNTRACED};
+use super::{frames, glasses, glasses::Glasses, shapes, statements::UNTRACED};
 use crate::prescription::{
     LensFileError,
     interfaces::{AsphereTerms, NO_TERMS},
@@ -8,6 +8,7 @@ use crate::prescription::{
         commands::Block,
         ledger::Ledger,
         sequential::{SequentialSurface, asphere, set_term},
+        surface_rows::{General, MediumBehind},
         text::Text,
     },
 };
@@ -18,23 +19,26 @@ const TERMS: [&str; 9] = ["A", "B", "C", "D", "E", "F", "G", "H", "J"];
 /// Thicknesses of this magnitude mean infinity.
 const ENDLESS: f64 = 1e10;
 
-/// Reads one surface of the lens; its curvature is 0.
+/// Reads one surface of the lens; its curvature is 0. `in_front` is the medium in front of it.
 ///
 /// # Errors
 /// The surface is not traced, or a value is missing or wrong.
 pub(super) fn read(
     text: &Text<'_>,
     block: &Block<'_>,
+    in_front: MediumBehind,
     glasses: &mut Glasses<'_>,
     ledger: &mut Ledger<'_>,
 ) -> Result<SequentialSurface, LensFileError> {
     block.check(text, UNTRACED)?;
-    let behind = glasses.behind(text, block, ledger)?;
+    let is_mirror = glasses::is_mirror(block);
+    let behind = if is_mirror { in_front } else { glasses.behind(text, block, ledger)? };
+    let [coordinate_break, break_behind] = frames::read(text, block, is_mirror)?;
     let conic = block.find("K").map_or(Ok(0.0), |statement| statement.record.number(text, 0))?;
     for kind in ["SPH", "CON", "ASP"] {
         block.find(kind).map(|statement| statement.record.values());
     }
-    let aperture = shapes::read(text, block, ledger)?;
+    let aperture = shapes::read(text, block, is_mirror, ledger)?;
     let is_stop = block.find("STO").inspect(|statement| _ = statement.record.values()).is_some();
     Ok(SequentialSurface {
         curvature: 0.0,
@@ -46,7 +50,8 @@ pub(super) fn read(
         is_fixed: aperture.clip.is_some() || !aperture.others.is_empty(),
         apertures: aperture.others,
         is_stop,
-        general: Default::default(),
+        general: General { is_mirror, coordinate_break, ..General::default() },
+        break_behind,
     })
 }
 

@@ -1,5 +1,5 @@
 use crate::prescription::{
-    Fate, Outline,
+    CoordinateBreak, Fate, Outline,
     glass::{D_LINE, refractive_index},
     interfaces::{Medium, Shape},
     reader::checks::{ok, refused, replaced},
@@ -166,7 +166,6 @@ fn glasses_are_names_codes_and_the_files_own() {
     assert!(foreign.remarks[0].contains("no glass NBK7 of NOBODY is known"), "{:?}", foreign.remarks);
     refused(&with("NBK7_SCHOTT", "XQ7_SCHOTT"), "14:16", &["glass \"XQ7\" is not known"]);
     refused(&with("NBK7_SCHOTT", "1.5 60"), "14:20", &["\"60\" behind the glass"]);
-    refused(&with("NBK7_SCHOTT", "REFL"), "14:16", &["surface 1 is a mirror (REFL)"]);
 }
 
 #[test]
@@ -184,7 +183,7 @@ fn apertures_have_a_form_a_place_and_a_kind() {
     let wrong = |cir: &str, parts: &[&str]| {
         refused(&with("CIR 5.0\n  CIR EDG", &format!("{cir}\n  CIR EDG")), "14:30", parts)
     };
-    wrong("CIR HOL 2", &["surface 1 has a hole"]);
+    wrong("CIR HOL 2", &["surface 1 has a hole and is no mirror"]);
     wrong("REX 2", &["without two positive sizes"]);
     wrong("CIR -2", &["without two positive sizes"]);
     wrong("ADY 2", &["the place of an aperture, and no aperture"]);
@@ -206,8 +205,18 @@ fn apertures_have_a_form_a_place_and_a_kind() {
 #[test]
 fn what_is_not_traced_is_refused_by_name() {
     let stop = |to: &str| with("  STO\n", &format!("  STO\n  {to}\n"));
-    refused(&stop("YDE 2"), "28:3", &["surface 3 has a tilt or decentring, which is not traced (YDE 2)"]);
-    refused(&stop("ade 1e-3"), "28:3", &["a tilt or decentring"]);
+    refused(&stop("REV; YDE 2"), "28:3", &["surface 3 has a reversed tilt or decentring", "(REV)"]);
+    refused(&stop("BEN; YDE 2"), "28:3", &["surface 3 has a bend that is not one tilt", "(BEN)"]);
+    refused(&stop("XOD 1"), "28:3", &["an offset of the axis of its tilts, which is not traced (XOD 1)"]);
+    refused(
+        &with(
+            "S     20.0",
+            "ADE 3
+S     20.0",
+        ),
+        "14:1",
+        &["a tilted or decentred object"],
+    );
     refused(&stop("CYL"), "28:3", &["is a cylinder or toroid"]);
     refused(&stop("DIF DOE"), "28:3", &["is a grating or a hologram"]);
     refused(&stop("CUF 0.1"), "28:3", &["is a Fresnel surface"]);
@@ -263,4 +272,33 @@ fn a_lens_without_a_stop_has_that_of_the_program() {
     let none = ok(&with("REF   2\n", ""));
     assert_eq!(none.wavelength, None);
     assert!(none.remarks[0].contains("several wavelengths and no reference (REF)"), "{:?}", none.remarks);
+}
+
+#[test]
+fn tilts_decentres_and_mirrors_are_read() {
+    // A fold by a bend, a decentred lens, and a tilted film.
+    let text = "RDM\nEPD 8\nDIM M\nSO 0 1e14\nS 50 4 517642\n  STO; CIR 6\nS -50 20\n  CIR 6\nS 0 -30 REFL\n  ADE -40; BEN; CIR 9; CIR HOL 1\n\
+        S -60 -3 517642\n  XDE 1; YDE 2; ZDE 0.5; ADE 1; BDE 2; CDE 3; DAR; CIR 8\nS 60 -15\n  CIR 8; BDE 4\nSI 0 0\n  ADE 5\n";
+    let lens = ok(text);
+    assert_eq!(lens.remarks, [""; 0]);
+    let [_, second, mirror, third, last] = lens.interfaces.as_slice() else { panic!("{lens:?}") };
+    let [fold, film] = [40.0, -5.0].map(|angle| CoordinateBreak::tilted([angle, 0.0, 0.0]));
+    let along = |z: f64| CoordinateBreak::shifted([0.0, 0.0, z]);
+    let own = CoordinateBreak::shifted([1.0, 2.0, 0.5]).then(&CoordinateBreak::tilted([-1.0, -2.0, 3.0]));
+    let is_near = |found: Option<CoordinateBreak>, expected: CoordinateBreak| {
+        let apart = found.expect("a change").then(&expected.inverse());
+        let off = |i: usize, j: usize| apart.rotation[i][j] - f64::from(i == j);
+        let all = (0..9).map(|i| off(i / 3, i % 3)).chain(apart.shift);
+        assert!(all.into_iter().all(|off| off.abs() < 1e-13), "{found:?} {expected:?}");
+    };
+    assert!(mirror.is_mirror && mirror.medium == Medium::Air && second.thickness == 20.0);
+    assert!(mirror.apertures[0].is_obstruction && mirror.apertures[0].reach() == 1.0);
+    is_near(mirror.coordinate_break, fold);
+    is_near(third.coordinate_break, fold.then(&along(-30.0)).then(&own));
+    is_near(
+        last.coordinate_break.map(|change| along(last.thickness).then(&change)),
+        own.inverse().then(&along(-3.0)).then(&CoordinateBreak::tilted([0.0, -4.0, 0.0])),
+    );
+    is_near(lens.film_break, along(-15.0).then(&film).then(&along(15.0)));
+    assert_eq!(lens.nominal_film_distance, Some(15.0));
 }

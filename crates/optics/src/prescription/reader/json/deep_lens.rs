@@ -120,6 +120,7 @@ fn surface(
         is_fixed: true,
         is_stop,
         general: Default::default(),
+        break_behind: None,
     })
 }
 

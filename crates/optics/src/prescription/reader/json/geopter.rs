@@ -69,6 +69,7 @@ pub(super) fn read(
         object_distance,
         surfaces,
         thicknesses,
+        image_break: None,
         places,
         aperture: aperture(specification, object_distance)?,
         field: field(specification)?,
@@ -120,6 +121,7 @@ fn surface(
         apertures: Vec::new(),
         is_stop,
         general: Default::default(),
+        break_behind: None,
     })
 }
 

@@ -276,6 +276,7 @@ fn surface(
         is_fixed: true,
         is_stop: part.flag("is_stop")?,
         general: Default::default(),
+        break_behind: None,
     };
     Ok((surface, layers))
 }

@@ -86,6 +86,7 @@ fn surface(
         is_fixed: true,
         is_stop: radius == 0.0 && ior.node.number() == Some(0.0),
         general: Default::default(),
+        break_behind: None,
     })
 }
 

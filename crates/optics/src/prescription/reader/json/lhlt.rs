@@ -124,6 +124,7 @@ pub(super) fn read(
         object_distance: if object_distance.abs() >= ENDLESS { f64::INFINITY } else { object_distance },
         surfaces,
         thicknesses,
+        image_break: None,
         places,
         aperture: aperture(root)?,
         field: field(root, ledger)?,
@@ -192,6 +193,7 @@ fn surface(
         is_fixed: size.is_fixed,
         is_stop: part.flag("IsStop")?,
         general: Default::default(),
+        break_behind: None,
     })
 }
 

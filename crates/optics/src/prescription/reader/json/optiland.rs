@@ -134,6 +134,7 @@ pub(super) fn read(
         object_distance: heights[0] - object_height,
         surfaces,
         thicknesses,
+        image_break: None,
         places,
         aperture: aperture(root)?,
         field: field(root, ledger)?,
@@ -197,6 +198,7 @@ fn surface(
         apertures,
         is_stop: part.flag("is_stop")?,
         general: Default::default(),
+        break_behind: None,
     })
 }
 

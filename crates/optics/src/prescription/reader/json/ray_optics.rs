@@ -171,6 +171,7 @@ pub(super) fn read(
         object_distance,
         surfaces,
         thicknesses,
+        image_break: None,
         places,
         aperture: aperture(specification, in_air, ledger)?,
         field: field(specification, ledger)?,
@@ -269,6 +270,7 @@ fn surface(
         apertures,
         is_stop,
         general: Default::default(),
+        break_behind: None,
     })
 }
 

@@ -3,7 +3,7 @@
 //!
 //! `sections` splits the text and reads the variables, which have one column for each position of the lens. This module
 //! reads the surfaces and their figures. `[aspherical data]` has id, radius, conic constant, A4, A6, …; `[constants]`
-//! can add A2 or odd terms.
+//! can add A2 or odd terms. An index of -1 makes a row a mirror.
 //!
 //! The format is that of the program *Optical Bench* by W. J. Claff (photonstophotos.net).
 
@@ -12,7 +12,8 @@ mod sections;
 use super::{
     ledger::Ledger,
     named_glass::NamedGlasses,
-    surface_rows::{self, Role, SurfaceRow},
+    reflections::{self, MIRROR_INDEX},
+    surface_rows::{self, General, MediumBehind, Role, SurfaceRow},
     text::{Cell, Text},
 };
 use crate::prescription::{
@@ -42,18 +43,31 @@ pub(super) fn read(
         gaps.push(gap);
     }
     apply_figures(text, &sections, &mut rows, ledger)?;
-    let Some(last) = rows.len().checked_sub(1) else {
+    if rows.is_empty() {
         return Err(
             text.error(sections.end, "the section [lens data] has no rows; expected at least one surface")
         );
-    };
+    }
     let stop = sections.lens.iter().position(|row| role(&row.cell(1)) == Role::Stop);
-    let (positions, stated_focal_length, stated) = sections.resolve(text, &mut rows, &gaps, stop, ledger)?;
-    let at = |row: usize, message: &str| text.error(sections.lens[row].location, message);
+    let (mut positions, stated_focal_length, stated) =
+        sections.resolve(text, &mut rows, &gaps, stop, ledger)?;
+    let air = MediumBehind::from(Medium::Air);
+    let moving = positions.as_ref().map_or(Vec::new(), |positions| positions.gaps.clone());
+    let origins = reflections::join(&mut rows, air, |row| moving.contains(&row));
+    if let Some(positions) = &mut positions {
+        let number = |row: usize| origins.iter().position(|own| own.gap == row);
+        positions.gaps = moving.into_iter().filter_map(number).collect();
+    }
+    let location = |row: usize| sections.lens[origins[row].row].location;
+    for (row, reason) in reflections::obstructions(&mut rows, air) {
+        ledger.warn(Fate::Replaced, location(row), "row", None, reason);
+    }
+    let at = |row: usize, message: &str| text.error(location(row), message);
     let mut interfaces = surface_rows::interfaces(&rows, Medium::Air, &at, ledger)?;
     surface_rows::film_in_air(&interfaces, &at)?;
-    surface_rows::positions_in_order(Medium::Air, &interfaces, positions.as_ref(), &at)?;
-    let back = std::mem::take(&mut interfaces[last].thickness);
+    surface_rows::positions_in_order(Medium::Air, &interfaces, positions.as_mut(), &at)?;
+    let last = interfaces.len() - 1;
+    let back = std::mem::take(&mut interfaces[last].thickness).abs();
     let (glasses, remarks) = glasses.glasses_and_warnings(text.file);
     for (rows, name) in
         [(&sections.lens, "row"), (&sections.aspheres, "figure"), (&sections.constants, "constant")]
@@ -84,6 +98,7 @@ fn surface<'t>(
         return Err(text.error(row.location, "no tabs in this line; its cells are separated by tabs"));
     }
     let role = role(&radius);
+    let is_mirror = n_d.number() == Some(MIRROR_INDEX);
     let surface = SurfaceRow {
         radius: match radius.text {
             _ if role != Role::Any => f64::INFINITY,
@@ -98,7 +113,7 @@ fn surface<'t>(
         },
         role,
         thickness: 0.0,
-        behind: if n_d.text.is_empty() {
+        behind: if n_d.text.is_empty() || is_mirror {
             Medium::Air.into()
         } else {
             let index = text.number(&n_d, "a refractive index, or nothing for air")?;
@@ -119,7 +134,7 @@ fn surface<'t>(
         diameter: text.number(&diameter, "a clear diameter in mm")?,
         asphere: None,
         apertures: Vec::new(),
-        general: Default::default(),
+        general: General { is_mirror, ..General::default() },
     };
     Ok((thickness, surface))
 }

@@ -139,3 +139,36 @@ fn a_malformed_text_is_refused_with_the_location() {
     let positions = with("d3\t3.0", &format!("d3{}", "\t3".repeat(101)));
     refused(&positions, "10:204", &["more than 100 positions"]);
 }
+
+#[test]
+fn an_index_of_minus_one_is_a_mirror() {
+    let rows = [
+        "1\tInfinity\t5\t1.5\t89\t60",
+        "2\tInfinity\td2\t\t89",
+        "3\tInfinity\t35\t\t30.98",
+        "4\t-250\t8\t1.54\t86\t47",
+        "5\t-330\t0\t\t86",
+        "6\t-330\t0\t-1\t86",
+        "7\t-330\t-8\t1.54\t86\t47",
+        "8\t-250\t-32\t\t86",
+        "9\t-500\t0\t-1.0\t30.98",
+        "10\t-500\tBf\t\t31",
+    ];
+    let text = |rows: &str| {
+        format!("[variable distances]\nd2\t60\t61\nBf\t90\t89\nd0\tInfinity\t9000\n[lens data]\n{rows}\n")
+    };
+    // The last row is a plane in air, where the film distance begins.
+    let lens = ok(&text(&rows.join("\n").replace("10\t-500", "10\tFS")));
+    let mirrors: Vec<bool> = lens.interfaces.iter().map(|own| own.is_mirror).collect();
+    assert_eq!(mirrors, [false, false, false, false, true, false, true, false]);
+    assert_eq!((lens.interfaces[4].thickness, lens.interfaces[4].medium), (-8.0, lens.interfaces[3].medium));
+    assert!(lens.interfaces[2].apertures[0].is_obstruction && !lens.interfaces[2].is_stop);
+    assert!(lens.remarks[0].contains("is taken for an obstruction"), "{:?}", lens.remarks);
+    let positions = lens.positions.expect("two");
+    assert_eq!((positions.gaps, &positions.columns[1].gaps), (vec![1, 7], &vec![61.0, 89.0]));
+    refused(
+        &text(&rows.join("\n").replace("-8\t1.54", "8\t1.54")),
+        "11:1",
+        &["behind an odd number of mirrors"],
+    );
+}

@@ -175,6 +175,7 @@ pub(super) fn read(
         object_distance,
         surfaces,
         thicknesses,
+        image_break: None,
         places,
         aperture: aperture(text, &blocks, object_distance)?,
         field: field(text, &blocks)?,
@@ -224,6 +225,7 @@ fn surface(
         is_fixed: is_checked,
         is_stop: block.find("AST").inspect(|statement| _ = statement.record.values()).is_some(),
         general: Default::default(),
+        break_behind: None,
     })
 }
 

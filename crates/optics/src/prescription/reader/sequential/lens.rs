@@ -1,11 +1,11 @@
 //! Builds the prescription of a sequential file with one configuration, whatever its format.
 
 use super::{
-    Aperture, Effective, FAR, Field, Paraxial, ROUNDING, SequentialSurface, derive_missing, has_range,
-    let_through, merged, positions, surface_row,
+    Aperture, Effective, FAR, Field, Frames, Paraxial, ROUNDING, SequentialSurface, derive_missing,
+    has_range, let_through, light_sign, positions, surface_row,
 };
 use crate::prescription::{
-    Fate, LensFileError, MAX_INTERFACES,
+    CoordinateBreak, Fate, LensFileError, MAX_INTERFACES,
     glass::D_LINE,
     interfaces::{Medium, Prescription, Stated},
     reader::{
@@ -13,6 +13,7 @@ use crate::prescription::{
         surface_rows::{self, MediumBehind},
         text::{Location, Text},
     },
+    unsymmetric::Meridian,
 };
 use realistic_base::message::cut;
 
@@ -40,6 +41,8 @@ pub(in super::super) struct SequentialLens {
     pub surfaces: Vec<SequentialSurface>,
     /// The thicknesses behind the surfaces; the last one reaches to the image.
     pub thicknesses: Vec<f64>,
+    /// The change of frame in front of the image.
+    pub image_break: Option<CoordinateBreak>,
     pub places: Vec<SurfacePlaces>,
     pub aperture: Aperture,
     pub field: Option<Field>,
@@ -67,6 +70,7 @@ impl SequentialLens {
             object_distance: f64::INFINITY,
             surfaces,
             thicknesses,
+            image_break: None,
             places,
             aperture: Aperture::ByStop,
             field: None,
@@ -110,10 +114,11 @@ impl SequentialLens {
             let SurfacePlaces { surface, number, .. } = &self.places[i];
             ledger.note(Fate::LeftOut, *surface, self.keys[0], Some(number), reason);
         }
-        let gaps = merged(&kept, &self.thicknesses);
+        let frames = Frames::of(&self.surfaces, &kept, &self.thicknesses, self.image_break);
+        let Frames { front, gaps, breaks, film_break } = frames;
         let mut rows = Vec::with_capacity(kept.len());
-        for (&i, &gap) in kept.iter().zip(&gaps) {
-            rows.push(surface_row(self.object, &self.surfaces, i, gap).ok_or_else(|| {
+        for ((&i, &gap), &change) in kept.iter().zip(&gaps).zip(&breaks) {
+            rows.push(surface_row(self.object, &self.surfaces, i, (gap, change)).ok_or_else(|| {
                 let message = format!(
                     "surface {} has no semi-diameter, and the file does not state an aperture, a field and a stop to \
                      derive it from",
@@ -125,7 +130,8 @@ impl SequentialLens {
         let Some(last) = rows.len().checked_sub(1) else {
             return Err(text.error(location, "no surface does anything; expected a lens"));
         };
-        let back = rows[last].thickness;
+        // The distance to the film is along the light.
+        let back = light_sign(&self.surfaces) * gaps[last];
         if back < 0.0 {
             let reason = "the image lies in front of the last surface, where no film can be; the film's place is left open";
             self.warn(kept[last], Fate::LeftOut, 2, reason, ledger);
@@ -137,12 +143,13 @@ impl SequentialLens {
         };
         let mut interfaces = surface_rows::interfaces(&rows, self.object.medium, &at, ledger)?;
         interfaces[last].thickness = 0.0;
-        let mut object = vec![self.object_distance + self.thicknesses[..kept[0]].iter().sum::<f64>()];
+        let mut object = vec![self.object_distance + front];
         object.extend(&self.thicknesses);
         let lens = Prescription {
             object_medium: self.object.medium,
             object_glass: self.object.glass,
             nominal_film_distance: (back > 0.0).then_some(back),
+            film_break,
             stated: self.stated(),
             wavelength: self.wavelength.map(|(wavelength, _)| wavelength),
             positions: positions(text, &[object], &[gaps], &[stop_size], self.object_place)?,
@@ -170,6 +177,11 @@ impl SequentialLens {
                 format!("no stop ({key}) is stated; the first surface is the stop, as in the file's program");
             ledger.warn(Fate::Replaced, place.surface, key, Some(&place.number), reason);
         }
+    }
+
+    /// Returns the paraxial rays in the meridian y, to which the files' apertures and fields refer.
+    pub(in super::super) fn paraxial(&self, wavelength: f64) -> Paraxial {
+        Paraxial::of(self.object.medium, &self.surfaces, &self.thicknesses, Meridian::Y, wavelength)
     }
 
     /// Checks that at most one surface is the stop.
@@ -208,7 +220,7 @@ impl SequentialLens {
             }
             return None;
         };
-        let paraxial = Paraxial::of(self.object.medium, &self.surfaces, &self.thicknesses, wavelength);
+        let paraxial = self.paraxial(wavelength);
         let by_aperture = paraxial.stop(self.aperture, stop, self.object_distance);
         let SequentialSurface { listed, clip, .. } = self.surfaces[stop];
         let stated = by_aperture.or(listed).into_iter().chain(clip).min_by(f64::total_cmp);

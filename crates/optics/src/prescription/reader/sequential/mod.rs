@@ -1,9 +1,10 @@
 //! Surfaces in sequence, as designers' programs write them: with semi-diameters that may be missing, and with surfaces
 //! that bend no ray.
 //!
-//! `paraxial` derives the size of the stop and missing sizes from the file's aperture and field. `lens` builds the
-//! prescription of a file with one configuration.
+//! `paraxial` derives the size of the stop and missing sizes from the file's aperture and field. `frames` composes the
+//! changes of frame. `lens` builds the prescription of a file with one configuration.
 
+mod frames;
 mod lens;
 mod paraxial;
 
@@ -12,12 +13,13 @@ use super::{
     text::{Location, Text},
 };
 use crate::prescription::{
-    Aperture as Outline, LensFileError,
+    Aperture as Outline, CoordinateBreak, LensFileError,
     glass::VALID_WAVELENGTHS,
     interfaces::{Asphere, AsphereTerms, FIRST_POWER, LAST_POWER, Medium, NO_TERMS, Prescription, Shape},
     positions::{Position, Positions},
-    unsymmetric::{PROFILE_TERMS, Unsymmetric},
+    unsymmetric::{Meridian, PROFILE_TERMS, Unsymmetric},
 };
+pub(super) use frames::Frames;
 pub(super) use lens::{SequentialLens, SurfacePlaces};
 pub(super) use paraxial::{Aperture, Field, FieldKind, Paraxial};
 use realistic_base::message::{as_given, short};
@@ -53,6 +55,8 @@ pub(super) struct SequentialSurface {
     pub is_fixed: bool,
     pub is_stop: bool,
     pub general: General,
+    /// The change of frame behind the surface, in front of its thickness.
+    pub break_behind: Option<CoordinateBreak>,
 }
 
 /// Returns a wavelength in nm, rounded to the intended decimal number, because 0.58756 times 1000 is not exactly 587.56.
@@ -96,10 +100,10 @@ pub(super) fn set_term(terms: &mut AsphereTerms, power: usize, value: f64) -> Re
     Ok(())
 }
 
-/// Returns whether the media on both sides of a surface are the same. `object` is the medium in front of the lens.
+/// Returns whether a surface leaves rays as they are: the media on its sides are the same, and it is no mirror. `object` is the medium in front of the lens.
 pub(super) fn is_idle(object: MediumBehind, surfaces: &[SequentialSurface], i: usize) -> bool {
     let in_front = if i == 0 { object } else { surfaces[i - 1].behind };
-    in_front == surfaces[i].behind
+    in_front == surfaces[i].behind && !surfaces[i].general.is_mirror
 }
 
 /// Returns the semi-diameter of a stop that states none: that of the widest beam that passes the other surfaces.
@@ -119,7 +123,7 @@ pub(super) fn let_through(
 pub(super) struct Effective {
     /// The surfaces that bend rays, are the stop, or have an aperture that the file fixes.
     pub kept: Vec<usize>,
-    /// The other surfaces, each with the reason why it has no effect.
+    /// The other surfaces that change no frame, each with the reason why it has no effect.
     pub left_out: Vec<(usize, &'static str)>,
 }
 
@@ -135,10 +139,14 @@ impl Effective {
         for i in (1..to_image.len()).rev() {
             to_image[i - 1] += to_image[i];
         }
+        let sign = light_sign(surfaces);
         for (i, to_image) in to_image.into_iter().enumerate() {
+            let turns = surfaces[i].general.coordinate_break.or(surfaces[i].break_behind).is_some();
             if bends(i) {
                 all.kept.push(i);
-            } else if to_image < 0.0 && last_bending.is_none_or(|last| last < i) {
+            } else if turns && !limits(i) {
+                // Its change of frame is that of the next surface.
+            } else if sign * to_image < 0.0 && last_bending.is_none_or(|last| last < i) {
                 let reason = "a plane behind the image, which limits no ray that reaches it";
                 all.left_out.push((i, reason));
             } else if limits(i) {
@@ -152,11 +160,10 @@ impl Effective {
     }
 }
 
-/// Returns, for each surface with an effect, the thickness behind it plus the thicknesses behind the surfaces left out
-/// after it.
-pub(super) fn merged(effective: &[usize], thicknesses: &[f64]) -> Vec<f64> {
-    let end = |row: usize| effective.get(row + 1).copied().unwrap_or(thicknesses.len());
-    (0..effective.len()).map(|row| thicknesses[effective[row]..end(row)].iter().sum()).collect()
+/// Returns the sign of the light's travel along z behind all surfaces: -1 behind an odd number of mirrors.
+pub(super) fn light_sign(surfaces: &[SequentialSurface]) -> f64 {
+    let mirrors = surfaces.iter().filter(|surface| surface.general.is_mirror).count();
+    if mirrors.is_multiple_of(2) { 1.0 } else { -1.0 }
 }
 
 /// The share of the paraxial beam's height that a derived semi-diameter has. In the programs that leave sizes out, such a
@@ -177,31 +184,36 @@ pub(super) fn derive_missing(
     let Some((stop, size)) = stop.and_then(|stop| Some((stop, surfaces[stop].semi_diameter?))) else {
         return Vec::new();
     };
-    let paraxial = Paraxial::of(object.medium, surfaces, &thicknesses[1..], wavelength);
-    let field = paraxial.field(field, stop, thicknesses[0]);
+    let meridians = [Meridian::X, Meridian::Y]
+        .map(|own| Paraxial::of(object.medium, surfaces, &thicknesses[1..], own, wavelength));
+    let reach = |i: usize| {
+        let of = |own: &Paraxial| own.reach(i, stop, size, own.field(field, stop, thicknesses[0]));
+        meridians.iter().filter_map(of).max_by(f64::total_cmp)
+    };
     let is_missing = |&i: &usize| surfaces[i].semi_diameter.is_none() && !is_idle(object, surfaces, i);
     let missing: Vec<usize> = (0..surfaces.len()).filter(is_missing).collect();
+    let found: Vec<(usize, f64)> = missing.into_iter().filter_map(|i| Some((i, reach(i)?))).collect();
     let mut derived = Vec::new();
-    for i in missing {
-        if let Some(reach) = paraxial.reach(i, stop, size, field) {
-            let hemisphere = surfaces[i].curvature.abs().recip();
-            surfaces[i].semi_diameter = Some((DERIVED_MARGIN * reach).min(hemisphere));
-            derived.push(i);
-        }
+    for (i, reach) in found {
+        let hemisphere = surfaces[i].curvature.abs().recip();
+        surfaces[i].semi_diameter = Some((DERIVED_MARGIN * reach).min(hemisphere));
+        derived.push(i);
     }
     derived
 }
 
-/// Returns the row of a surface; `None` if the surface has no size.
+/// Returns the row of a surface, with the thickness behind it and the change of frame in front of it; `None` if the
+/// surface has no size.
 pub(super) fn surface_row(
     object: MediumBehind,
     surfaces: &[SequentialSurface],
     i: usize,
-    thickness: f64,
+    (thickness, coordinate_break): (f64, Option<CoordinateBreak>),
 ) -> Option<SurfaceRow> {
     let surface = &surfaces[i];
-    let is_plane =
-        surface.curvature == 0.0 && surface.asphere.is_none_or(|asphere| asphere.terms == NO_TERMS);
+    let is_plane = surface.curvature == 0.0
+        && surface.asphere.is_none_or(|asphere| asphere.terms == NO_TERMS)
+        && surface.general.unsymmetric.is_none_or(|figure| figure.is_plane());
     let is_in_air = is_idle(object, surfaces, i) && surface.behind.medium == Medium::Air;
     let role = match surface.is_stop {
         true => Role::Stop,
@@ -217,7 +229,7 @@ pub(super) fn surface_row(
         diameter: 2.0 * surface.semi_diameter?,
         asphere: surface.asphere.filter(|_| !is_plane),
         apertures: surface.apertures.clone(),
-        general: surface.general,
+        general: General { coordinate_break, ..surface.general },
     })
 }
 
@@ -282,5 +294,6 @@ pub(super) fn has_range(lens: &Prescription) -> bool {
         let lengths = [column.stop_diameter, column.object_distance, column.focal_length];
         column.gaps.iter().all(|gap| gap.is_finite()) && lengths.into_iter().flatten().all(is_length)
     });
-    interfaces && columns && lens.nominal_film_distance.is_none_or(is_length)
+    let film = lens.film_break.is_none_or(|change| change.is_finite());
+    interfaces && columns && film && lens.nominal_film_distance.is_none_or(is_length)
 }

@@ -2,7 +2,7 @@
 //! paraxial rays (W. J. Smith, *Modern Optical Engineering*, on raytracing).
 
 use super::SequentialSurface;
-use crate::prescription::{glass::refractive_index, interfaces::Medium};
+use crate::prescription::{glass::refractive_index, interfaces::Medium, unsymmetric::Meridian};
 
 /// The aperture that limits the beam, as the file states it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,35 +57,40 @@ pub(in super::super) type FieldKind = fn(f64) -> Field;
 
 /// The heights of two paraxial rays at each surface. One ray enters parallel to the axis at height 1; the other starts
 /// at the first vertex with slope 1. Every paraxial ray is a linear combination of these two rays.
+///
+/// Changes of frame are left out: the axis is unfolded. A mirror is a refraction to the negative of the index in front of
+/// it, and the indices behind an odd number of mirrors are negative, as the thicknesses there are.
 #[derive(Debug)]
 pub(in super::super) struct Paraxial {
     parallel: Vec<f64>,
     from_vertex: Vec<f64>,
     /// The slopes of the two rays behind the last surface, times the index there.
     slopes: [f64; 2],
-    /// The refractive indices in front of the lens and behind it.
+    /// The refractive indices in front of the lens and behind it; the latter is negative behind an odd number of mirrors.
     indices: [f64; 2],
 }
 
 impl Paraxial {
-    /// Traces the two rays from the medium `object` through surfaces, with the thicknesses behind them, at a wavelength
-    /// in nm.
+    /// Traces the two rays from the medium `object` through surfaces, with the thicknesses behind them, in a meridian, at
+    /// a wavelength in nm.
     pub(in super::super) fn of(
         object: Medium,
         surfaces: &[SequentialSurface],
         thicknesses: &[f64],
+        meridian: Meridian,
         wavelength: f64,
     ) -> Self {
         let first_index = refractive_index(object, wavelength);
         let trace = |mut height: f64, mut slope: f64| {
             // The index in front of the surface. `slope` holds the ray's slope times this index.
             let mut index = first_index;
+            let mut sign = 1.0;
             let mut heights = Vec::with_capacity(surfaces.len());
             for (surface, thickness) in surfaces.iter().zip(thicknesses) {
                 heights.push(height);
-                let behind = refractive_index(surface.behind.medium, wavelength);
-                let curvature =
-                    surface.curvature + 2.0 * surface.asphere.map_or(0.0, |asphere| asphere.terms[0]);
+                sign = if surface.general.is_mirror { -sign } else { sign };
+                let behind = sign * refractive_index(surface.behind.medium, wavelength);
+                let curvature = vertex_curvature(surface, meridian);
                 slope -= (behind - index) * curvature * height;
                 index = behind;
                 height += thickness * slope / index;
@@ -182,4 +187,13 @@ impl Paraxial {
             Field::ImageHeight(height) => height * self.power() / self.indices[0],
         }
     }
+}
+
+/// Returns the curvature of a surface at its vertex, in a meridian.
+fn vertex_curvature(surface: &SequentialSurface, meridian: Meridian) -> f64 {
+    let unsymmetric = surface.general.unsymmetric.map_or(0.0, |figure| {
+        let [x, y] = figure.radii();
+        if meridian == Meridian::X { x.recip() } else { y.recip() }
+    });
+    surface.curvature + 2.0 * surface.asphere.map_or(0.0, |asphere| asphere.terms[0]) + unsymmetric
 }

@@ -78,10 +78,10 @@ pub(super) fn read(
     apertures::give(&lines, apertures, &mut rows)?;
     let film_break = general.give(&lines, &mut rows)?;
     statements::make_stop(&lines, stop.as_ref(), &mut rows)?;
-    let (positions, stated) = columns.read(&lines, &rows, &mut stated_focal_length)?;
+    let (mut positions, stated) = columns.read(&lines, &rows, &mut stated_focal_length)?;
     let at = |row: usize, message: &str| lines.error(&table[row][0], message);
     let mut interfaces = surface_rows::interfaces(&rows, in_front.medium, &at, ledger)?;
-    surface_rows::positions_in_order(in_front.medium, &interfaces, positions.as_ref(), &at)?;
+    surface_rows::positions_in_order(in_front.medium, &interfaces, positions.as_mut(), &at)?;
     let coatings = coatings::of_surfaces(&lines, &coatings, in_front.medium, &interfaces)?;
     let back = std::mem::take(&mut interfaces.last_mut().expect("at least one row").thickness).abs();
     let mut lens = Prescription {

@@ -4,26 +4,30 @@
 //! Surfaces that have no effect, and whose size the file's program computed, are left out. The stop, whether on glass
 //! or in air, has the size that follows from the file's aperture.
 //!
+//! Coordinate breaks are such surfaces, too: their changes of frame are those of the next surface with an effect.
+//!
 //! `blocks` splits the text into records. `general` reads the records of the whole lens, and `surface` reads the
 //! records of a block. `coating_file` reads the file of coatings that an archive includes. `aperture` reads the
-//! aperture and the field. `shapes` reads the apertures of
-//! surfaces. `statements` records the fate of
-//! every line.
+//! aperture and the field. `shapes` reads the apertures of surfaces, `frames` their changes of frame, and `unsymmetric`
+//! figures that are not round. `statements` records the fate of every line.
 
 mod aperture;
 mod blocks;
 mod coating_file;
+mod frames;
 mod general;
 mod shapes;
 mod statements;
 mod surface;
+mod unsymmetric;
 
 use super::{
     ledger::Ledger,
     named_glass::NamedGlasses,
+    reflections,
     sequential::{
-        self, Aperture, Effective, Paraxial, ROUNDING, SequentialSurface, has_range, let_through, merged,
-        positions, surface_row,
+        self, Aperture, Effective, Frames, Paraxial, ROUNDING, SequentialSurface, has_range, let_through,
+        light_sign, positions, surface_row,
     },
     surface_rows,
     text::{Location, Text},
@@ -32,6 +36,7 @@ use crate::prescription::{
     Fate, LensFileError,
     glass::{D_LINE, GlassLibrary, loose},
     interfaces::{Medium, Prescription, Stated},
+    unsymmetric::Meridian,
 };
 use aperture::{farthest, farthest_field};
 use blocks::{Block, Blocks};
@@ -73,10 +78,18 @@ pub(super) fn read(
         Some(object) => surface::object_medium(text, object, &mut glasses, ledger)?,
         None => Medium::Air.into(),
     };
-    let mut surfaces = own
-        .iter()
-        .map(|block| surface::read(text, block, &mut glasses, ledger))
-        .collect::<Result<Vec<_>, _>>()?;
+    if let Some(object) = object {
+        frames::check_object(text, object)?;
+    }
+    let mut surfaces: Vec<SequentialSurface> = Vec::with_capacity(own.len());
+    for block in own {
+        let behind = surfaces.last().map_or(in_front, |before| before.behind);
+        surfaces.push(surface::read(text, block, behind, &mut glasses, ledger)?);
+    }
+    let image_break = match image {
+        Some(image) => frames::read(text, image)?[0],
+        None => None,
+    };
     general::environment(&blocks, ledger);
     let stop = surfaces.iter().position(|surface| surface.is_stop);
     let aperture = aperture::aperture(text, &blocks, ledger)?;
@@ -108,7 +121,9 @@ pub(super) fn read(
     if let Some(stop) = stop {
         for (column, thicknesses) in thicknesses.iter().enumerate() {
             let aperture = configurations.aperture(column).map_or(aperture, |value| aperture.with(value));
-            let paraxial = Paraxial::of(in_front.medium, &surfaces, &thicknesses[1..], wavelength);
+            let thicknesses_behind = &thicknesses[1..];
+            let paraxial =
+                Paraxial::of(in_front.medium, &surfaces, thicknesses_behind, Meridian::Y, wavelength);
             let by_aperture = paraxial.stop(aperture, stop, thicknesses[0]);
             let own = configurations.value(Operand::StopSize, stop + 1, column).filter(|size| *size > 0.0);
             let listed = own.or(surfaces[stop].listed);
@@ -127,10 +142,26 @@ pub(super) fn read(
     for (i, reason) in left_out {
         ledger.note(Fate::LeftOut, own[i].location, "SURF", Some(own[i].number), reason);
     }
-    let gaps: Vec<Vec<f64>> = thicknesses.iter().map(|column| merged(&effective, &column[1..])).collect();
+    let all_frames: Vec<Frames> = thicknesses
+        .iter()
+        .map(|column| Frames::of(&surfaces, &effective, &column[1..], image_break))
+        .collect();
+    check_moving_breaks(text, &all_frames, &effective, own)?;
+    let moves = thicknesses.iter().any(|column| column[1..] != thicknesses[0][1..]);
+    for block in own.iter().filter(|_| moves) {
+        if let Some(record) = frames::return_of(block) {
+            let reason = "a return to the frame of an earlier surface, with the values of the saved configuration at every \
+                          position";
+            ledger.warn(Fate::Replaced, record.key.location, "SCBD", Some(block.number), reason);
+        }
+    }
+    let Frames { breaks, film_break, .. } = &all_frames[0];
+    let film_break = *film_break;
+    let mut gaps: Vec<Vec<f64>> = all_frames.iter().map(|frames| frames.gaps.clone()).collect();
     let mut rows = Vec::with_capacity(effective.len());
     for (row, &i) in effective.iter().enumerate() {
-        rows.push(surface_row(in_front, &surfaces, i, gaps[0][row]).ok_or_else(|| {
+        let place = (gaps[0][row], breaks[row]);
+        rows.push(surface_row(in_front, &surfaces, i, place).ok_or_else(|| {
             let message = format!(
                 "surface {} has no semi-diameter (DIAM), and the file does not state an aperture, a field and a stop to \
                  derive it from",
@@ -139,10 +170,21 @@ pub(super) fn read(
             text.error(own[i].location, message)
         })?);
     }
+    let moves = |row: usize| gaps.iter().any(|column| column[row] != gaps[0][row]);
+    let origins = reflections::join(&mut rows, in_front, moves);
+    let effective: Vec<usize> = origins.iter().map(|own| effective[own.row]).collect();
+    for column in &mut gaps {
+        *column = origins.iter().map(|own| column[own.gap]).collect();
+    }
+    for (row, reason) in reflections::obstructions(&mut rows, in_front) {
+        let block = &own[effective[row]];
+        ledger.warn(Fate::Replaced, block.location, "SURF", Some(block.number), reason);
+    }
     let Some(last) = rows.len().checked_sub(1) else {
         return Err(text.error(own[0].location, "no surface does anything; expected a lens"));
     };
-    let back = rows[last].thickness;
+    // The distance to the film is along the light.
+    let back = light_sign(&surfaces) * gaps[0][last];
     if back < 0.0 {
         let message = "the image lies in front of the last surface, where no film can be; the film's place is left open";
         let block = &own[own.len() - 1];
@@ -166,7 +208,7 @@ pub(super) fn read(
     let coatings =
         surface::coatings(&effective_blocks, object, &interfaces, wavelength, coating_file, ledger);
     let mut positions = positions(text, &thicknesses, &gaps, &stop_sizes, first_location)?;
-    surface_rows::positions_in_order(in_front.medium, &interfaces, positions.as_ref(), &at)?;
+    surface_rows::positions_in_order(in_front.medium, &interfaces, positions.as_mut(), &at)?;
     let (glasses, remarks) = glasses.glasses_and_warnings(text.file);
     let is_angle = blocks.find("FTYP").and_then(|record| record.number_if_any(0)).unwrap_or(0.0) == 0.0;
     let field = Some(2.0 * farthest(&blocks)).filter(|field| is_angle && *field > 0.0 && *field <= 360.0);
@@ -187,6 +229,7 @@ pub(super) fn read(
         object_medium: in_front.medium,
         object_glass: in_front.glass,
         nominal_film_distance: (back > 0.0).then_some(back),
+        film_break,
         stated,
         glasses,
         coatings,
@@ -206,6 +249,30 @@ pub(super) fn read(
     }
     statements::record_fates(&blocks, own, ledger);
     Ok(lens)
+}
+
+/// Checks that the configurations have the same changes of frame.
+///
+/// # Errors
+/// A configuration changes a thickness behind a tilt, so that the change of frame that they make together is another.
+fn check_moving_breaks(
+    text: &Text<'_>,
+    all: &[Frames],
+    effective: &[usize],
+    own: &[Block<'_>],
+) -> Result<(), LensFileError> {
+    for (number, frames) in (1..).zip(all) {
+        if let Some(row) = all[0].differs(frames) {
+            let block = effective.get(row).map_or(&own[own.len() - 1], |&i| &own[i]);
+            let message = format!(
+                "configuration {number} changes a thickness between tilts in front of surface {} or the film, which would move \
+                 the tilted surfaces: keep one configuration in the file's program and save the lens",
+                block.number
+            );
+            return Err(text.error(block.location, message));
+        }
+    }
+    Ok(())
 }
 
 /// The blocks of a file: the lens, the object in front of it and the image behind it.

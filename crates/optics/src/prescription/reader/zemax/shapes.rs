@@ -22,8 +22,7 @@ const UNSURE: [(&str, &str); 6] = [
 /// semi-diameter of `DIAM`, and `floating` that of an aperture as large as `DIAM`.
 ///
 /// # Errors
-/// The surface has an aperture of a kind that is not read, or the surface is tilted or decentred. Rays traced without
-/// these features would be wrong.
+/// The surface has an aperture of a kind that is not read. Rays traced without it would be wrong.
 pub(super) fn read(
     text: &Text<'_>,
     block: &Block<'_>,
@@ -75,8 +74,6 @@ pub(super) fn read(
                 ledger.note(Fate::Replaced, record.key.location, key, Some(block.number), reason);
             }
             "SQAP" if first > 0.0 && second > 0.0 => shaped.push(placed(Outline::Rectangle([first, second]))),
-            // The first three values are the side, the order and a pickup; the decentring and the tilts follow.
-            "SCBD" if is_any(record, 3) => return refuse(record, "a tilt or decentring"),
             _ => {
                 if let Some((_, what)) = UNSURE.iter().find(|(own, _)| *own == key) {
                     return refuse(record, what);

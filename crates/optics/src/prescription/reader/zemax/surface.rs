@@ -4,39 +4,54 @@
 //! archive includes. Without that file, names in the sample file of that program select the coatings here that have the
 //! same layers; other names are reported.
 
-use super::{blocks::Block, coating_file::CoatingFile, shapes};
+use super::{blocks::Block, coating_file::CoatingFile, frames, shapes, unsymmetric};
 use crate::prescription::{
-    Fate, LensFileError,
+    CoordinateBreak, Fate, LensFileError,
     coating::{Coating, SurfaceCoating},
     interfaces::{AsphereTerms, Interface, Medium, NO_TERMS, has_coating},
     reader::{
         ledger::Ledger,
         named_glass::NamedGlasses,
         record::Record,
+        reflections::MIRROR_INDEX,
         sequential::{SequentialSurface, asphere, set_term},
-        surface_rows::{MediumBehind, checked, index},
+        surface_rows::{General, MediumBehind, checked, index},
         text::{Text, no_number},
     },
 };
 use realistic_base::message::{cut, quoted};
 
 /// The supported types of surfaces, for messages.
-const READ: &str = "read are STANDARD, EVENASPH, ODDASPHE, XASPHERE, XOSPHERE and a plane JONESMAT";
+const READ: &str = "read are STANDARD, EVENASPH, ODDASPHE, XASPHERE, XOSPHERE, TOROIDAL, BICONICX, COORDBRK, TILTSURF and a plane \
+                    JONESMAT";
 
-/// Reads one surface between the object and the image.
+/// Reads one surface between the object and the image. `in_front` is the medium in front of it.
 ///
 /// # Errors
 /// Tracing does not support the surface, or a value is missing.
 pub(super) fn read(
     text: &Text<'_>,
     block: &Block<'_>,
+    in_front: MediumBehind,
     glasses: &mut NamedGlasses<'_>,
     ledger: &mut Ledger<'_>,
 ) -> Result<SequentialSurface, LensFileError> {
+    let [front, break_behind] = frames::read(text, block)?;
+    if frames::is_break(block) {
+        return Ok(coordinate_break(in_front, front));
+    }
     let conic = block.find("CONI").map_or(Ok(0.0), |record| record.number(text, 0))?;
     let curvature = block.find("CURV").map_or(Ok(0.0), |record| record.number(text, 0))?;
-    let terms = terms(text, block, curvature, ledger)?;
+    let kind = block.find("TYPE").and_then(|record| record.word(0)).map_or("STANDARD", |word| word.text);
+    let unsymmetric = unsymmetric::read(text, block, kind, (curvature, conic))?;
+    let (curvature, figure) = match unsymmetric {
+        Some(_) => (0.0, None),
+        None if kind == "TILTSURF" => (0.0, asphere(0.0, terms(text, block, 0.0, ledger)?)),
+        None => (curvature, asphere(conic, terms(text, block, curvature, ledger)?)),
+    };
+    let is_mirror = block.find("GLAS").is_some_and(is_mirror);
     let behind = match block.find("GLAS") {
+        _ if is_mirror => in_front,
         Some(record) => glass(text, block, record, glasses)?,
         None => Medium::Air.into(),
     };
@@ -49,11 +64,24 @@ pub(super) fn read(
     let floats = block.find("FLAP").is_some();
     // A floating aperture is as large as the semi-diameter of its surface.
     let by_float = semi_diameter.filter(|_| floats && is_listed_fixed);
-    let (clip, apertures) = shapes::read(text, block, [semi_diameter, by_float], ledger)?;
+    let (mut clip, mut apertures) = shapes::read(text, block, [semi_diameter, by_float], ledger)?;
     let is_fixed = clip.is_some() || !apertures.is_empty() || floats || is_listed_fixed;
+    let mut semi_diameter = semi_diameter;
+    if let Some(circle) = clip.or(semi_diameter)
+        && let Some(ellipse) = frames::tilted_circle(text, block, circle)?
+    {
+        if !apertures.is_empty() {
+            let what = "an aperture that is not round on a tilted plane (TILTSURF), which is not read: put it on a plane of \
+                        its own";
+            return Err(text.error(block.location, format!("surface {} has {what}", block.number)));
+        }
+        semi_diameter = Some(ellipse.reach());
+        clip = clip.and(semi_diameter);
+        apertures.extend(Some(ellipse).filter(|_| is_fixed));
+    }
     Ok(SequentialSurface {
         curvature,
-        asphere: asphere(conic, terms),
+        asphere: figure,
         behind,
         semi_diameter: clip.or(semi_diameter),
         listed: semi_diameter,
@@ -61,8 +89,33 @@ pub(super) fn read(
         apertures,
         is_fixed,
         is_stop: block.find("STOP").inspect(|record| _ = record.values()).is_some(),
-        general: Default::default(),
+        general: General { unsymmetric, is_mirror, coordinate_break: front },
+        break_behind,
     })
+}
+
+/// Returns whether `GLAS` makes the surface a mirror: by `MIRROR`, or by a model glass of the index -1.
+fn is_mirror(record: &Record<'_>) -> bool {
+    let is_model = record.number_if_any(1) == Some(1.0);
+    record.word(0).is_some_and(|name| name.is("MIRROR"))
+        || is_model && record.number_if_any(3) == Some(MIRROR_INDEX)
+}
+
+/// Returns the surface of a coordinate break, which only changes the frame.
+fn coordinate_break(in_front: MediumBehind, change: Option<CoordinateBreak>) -> SequentialSurface {
+    SequentialSurface {
+        curvature: 0.0,
+        asphere: None,
+        behind: in_front,
+        semi_diameter: None,
+        listed: None,
+        clip: None,
+        apertures: Vec::new(),
+        is_fixed: false,
+        is_stop: false,
+        general: General { coordinate_break: change, ..General::default() },
+        break_behind: None,
+    }
 }
 
 /// Returns the polynomial terms of the surface, which depend on its type.
@@ -81,7 +134,6 @@ fn terms(
     let refuse = |what: &str, why: &str| {
         Err(text.error(location, format!("surface {} is {what}; {why}", block.number)))
     };
-    const REVOLUTION: &str = "only surfaces of revolution about one axis are traced";
     let mut terms = NO_TERMS;
     // Sets the term of r^power.
     let mut add = |power: usize, value: f64, location| -> Result<(), LensFileError> {
@@ -96,19 +148,18 @@ fn terms(
         "ODDASPHE" => (false, false),
         "XASPHERE" => (true, true),
         "XOSPHERE" => (false, true),
-        "STANDARD" => (true, false),
+        "STANDARD" | "TILTSURF" => (true, false),
         "JONESMAT" if curvature == 0.0 => {
             let reason = "an element that polarises (JONESMAT); a plane, which polarises nothing, is traced";
             ledger.warn(Fate::Replaced, location, "TYPE", Some(block.number), reason);
             (true, false)
         }
-        "COORDBRK" => return refuse("a tilt or decentring (COORDBRK)", REVOLUTION),
-        "TILTSURF" => return refuse("a tilted plane (TILTSURF)", REVOLUTION),
-        "TOROIDAL" | "BICONICX" | "CYLINDER" => {
-            return refuse(&format!("a cylinder or toroid ({kind})"), REVOLUTION);
-        }
         "DGRATING" | "EGRATING" => return refuse(&format!("a grating ({kind})"), READ),
-        "PARAXIAL" => return refuse("an ideal thin lens (PARAXIAL), which has no glass", READ),
+        "PARAXIAL" => {
+            let why = "off the axis it keeps no étendue, so that no light through it can be computed: put a lens of glass in its \
+                       place";
+            return refuse("an ideal thin lens (PARAXIAL)", why);
+        }
         other => return refuse(&format!("of type {}, which is not read", cut(other)), READ),
     };
     let step = if even { 2 } else { 1 };
@@ -121,7 +172,10 @@ fn terms(
         if value == 0.0 {
             continue;
         }
-        if matches!(kind, "STANDARD" | "JONESMAT") || is_by_data {
+        if kind == "TILTSURF" && i <= 2 {
+            continue;
+        }
+        if matches!(kind, "STANDARD" | "JONESMAT" | "TILTSURF") || is_by_data {
             let reason = format!("a parameter (PARM {i}) that a surface of type {kind} does not have here");
             ledger.warn(Fate::LeftOut, location, "PARM", Some(block.number), reason);
         } else {
@@ -179,10 +233,6 @@ fn glass(
     let Some(name) = record.word(0) else {
         return Err(text.error(location, "GLAS without a name"));
     };
-    if name.is("MIRROR") {
-        let message = format!("surface {} is a mirror; only lenses that refract are traced", block.number);
-        return Err(text.error(location, message));
-    }
     // These numbers are written by programs that do not store the numbers of catalogue glasses.
     const PLACEHOLDER: [Option<f64>; 2] = [Some(1.5), Some(40.0)];
     const NO_NAME: &str = "___BLANK";
@@ -198,7 +248,8 @@ fn glass(
         return match n_d {
             Some(n_d) if n_d < 0.0 => {
                 let message = format!(
-                    "surface {} is a mirror, written by its index {n_d}; only lenses that refract are traced",
+                    "surface {} is a mirror, written by its index {n_d}; write GLAS MIRROR, and positive indices behind it with \
+                     negative thicknesses",
                     block.number
                 );
                 Err(text.error(location, message))

@@ -1,10 +1,11 @@
 //! Tests that read a whole lens, and tests of every refusal with the message that the user reads.
 
 use crate::prescription::{
-    Coating, GlassLibrary, Medium, NO_TERMS, Shape, SurfaceCoating,
+    Aperture, Coating, CoordinateBreak, GlassLibrary, Medium, NO_TERMS, Outline, Shape, SurfaceCoating,
     glass::{D_LINE, refractive_index},
     read_with,
     reader::checks::{FILE, ok, refused, replaced},
+    unsymmetric::{Meridian, Unsymmetric},
 };
 
 /// A made-up lens with a named glass, a model glass, an asphere, surfaces without effect, and a stop in air whose size
@@ -223,12 +224,27 @@ fn the_primary_wavelength_is_the_lenss() {
 #[test]
 fn unsupported_surfaces_are_refused_by_name_with_their_line() {
     let kind = |kind: &str| with("EVENASPH", kind);
-    refused(&kind("COORDBRK"), "29:3", &["surface 3 is a tilt or decentring (COORDBRK)"]);
-    refused(&kind("TOROIDAL"), "29:3", &["surface 3 is a cylinder or toroid"]);
+    refused(&kind("CYLINDER"), "29:3", &["surface 3 is of type CYLINDER, which is not read", "TOROIDAL"]);
+    refused(&kind("TOROIDAL\n  XDAT 1 2 0"), "30:3", &["surface 3 is a toroid with Zernike terms"]);
     refused(&kind("DGRATING"), "29:3", &["surface 3 is a grating"]);
-    refused(&kind("PARAXIAL"), "29:3", &["surface 3 is an ideal thin lens"]);
+    refused(&kind("PARAXIAL"), "29:3", &["surface 3 is an ideal thin lens", "no étendue"]);
     refused(&kind("BINARY_2"), "29:3", &["surface 3 is of type BINARY_2"]);
-    refused(&with("N-BK7", "MIRROR"), "26:3", &["surface 2 is a mirror"]);
+    refused(
+        &with("N-BK7 0 0 1.5", "___BLANK 1 0 -1.5"),
+        "26:3",
+        &["surface 2 is a mirror, written by its index -1.5"],
+    );
+    refused(
+        &with("N-BK7 0 0 1.5", "___BLANK 1 0 -1"),
+        "21:1",
+        &["thickness 4 mm: behind an odd number of mirrors"],
+    );
+    refused(
+        &with("  STOP", "  SCBD 0 0 0 0 0 5 0 0"),
+        "41:3",
+        &["surface 5 has a tilt", "neither 1, before it, nor 2"],
+    );
+    refused(&with("  DISZ INF", "  SCBD 1 0 0 0 0 5 0 0\n  DISZ INF"), "10:1", &["decentring of the object"]);
     refused(&with("MODE SEQ", "MODE NSC"), "2:1", &["not a sequential lens"]);
 }
 
@@ -280,4 +296,184 @@ fn coatings_are_known_by_their_names() {
     assert!(lens.coatings.is_some_and(|all| all.iter().all(SurfaceCoating::is_bare)));
     assert!(lens.remarks[0].contains("surface 2: coating I.95 is known to the file's program alone"));
     assert!(lens.remarks[1].contains("surface 5: coating AR is left out"), "{:?}", lens.remarks);
+}
+
+/// A made-up lens with a folding mirror in front of its film.
+const FOLD: &str = "UNIT MM\nENPD 8\nSURF 0\n  DISZ INFINITY\n\
+    SURF 1\n  STOP\n  CURV 0.02\n  DISZ 4\n  GLAS ___BLANK 1 0 1.5 60\n  DIAM 10 1\n\
+    SURF 2\n  CURV -0.02\n  DISZ 20\n  DIAM 10 1\n\
+    SURF 3\n  TYPE COORDBRK\n  PARM 3 45\n  DISZ 0\n\
+    SURF 4\n  GLAS MIRROR 0 0\n  DISZ 0\n  DIAM 15 1\n\
+    SURF 5\n  TYPE COORDBRK\n  PARM 3 45\n  DISZ -28\n\
+    SURF 6\n  DISZ 0\n";
+
+fn fold(from: &str, to: &str) -> String {
+    replaced(FOLD, from, to)
+}
+
+#[test]
+fn a_fold_becomes_a_mirror_between_changes_of_frame() {
+    let lens = ok(FOLD);
+    let [first, second, mirror] = lens.interfaces.as_slice() else { panic!("{lens:?}") };
+    let turn = CoordinateBreak::tilted([45.0, 0.0, 0.0]);
+    assert_eq!([first.coordinate_break, second.coordinate_break], [None; 2]);
+    assert_eq!((mirror.coordinate_break, lens.film_break), (Some(turn), Some(turn)));
+    assert!(mirror.is_mirror && !second.is_mirror && mirror.medium == Medium::Air);
+    assert_eq!((second.thickness, lens.nominal_film_distance), (20.0, Some(28.0)));
+    assert_eq!(lens.remarks, [""; 0]);
+    // The same by tilts of the mirror, in a glass, and with the film tilted.
+    let own = ok(&fold("  GLAS MIRROR", "  SCBD 1 0 0 0 0 45 0 0\n  SCBD 2 1 0 0 0 45 0 0\n  GLAS MIRROR")
+        .replace("PARM 3 45", "PARM 3 0"));
+    assert_eq!((own.interfaces, own.film_break), (lens.interfaces.clone(), lens.film_break));
+    let tilted = ok(&fold("SURF 6\n", "SURF 6\n  SCBD 1 0 0 0 0 3 0 0\n"));
+    // The film turns about its own place, and moves along its own normal.
+    let place = |s: f64| CoordinateBreak::shifted([0.0, 0.0, s]);
+    let film = turn.then(&place(-28.0)).then(&CoordinateBreak::tilted([3.0, 0.0, 0.0])).then(&place(28.0));
+    let found = tilted.film_break.expect("tilted").then(&film.inverse());
+    assert!(found.shift.iter().all(|shift| shift.abs() < 1e-13), "{found:?}");
+    assert_eq!(tilted.nominal_film_distance, Some(28.0));
+}
+
+#[test]
+fn breaks_with_thicknesses_between_them_are_one_change() {
+    let both = fold(
+        "  PARM 3 45\n  DISZ 0",
+        "  PARM 1 1\n  PARM 4 5\n  PARM 6 1\n  DISZ 3\nSURF 3\n  TYPE COORDBRK\n  PARM 2 -2\n  DISZ 1",
+    );
+    let expected = CoordinateBreak::zemax([1.0, 0.0], [0.0, 5.0, 0.0], true)
+        .then(&CoordinateBreak::shifted([0.0, 0.0, 3.0]))
+        .then(&CoordinateBreak::shifted([0.0, -2.0, 0.0]))
+        .then(&CoordinateBreak::shifted([0.0, 0.0, 1.0]));
+    assert_eq!(ok(&both).interfaces[2].coordinate_break, Some(expected));
+    // A break and its inverse leave the lens on its axis.
+    let straight = fold("  TYPE COORDBRK\n  PARM 3 45\n", "").replace("  TYPE COORDBRK\n  PARM 3 45\n", "");
+    let back = fold("PARM 3 45", "PARM 1 2\n  PARM 3 7")
+        .replace("SURF 4\n", "SURF 4\n  TYPE COORDBRK\n  PARM 1 -2\n  PARM 3 -7\n  PARM 6 1\nSURF 4\n");
+    let back = back.replace("  PARM 3 45\n", "");
+    let [straight, back] = [straight, back].map(|text| ok(&text));
+    assert_eq!((back.interfaces, back.film_break), (straight.interfaces, None));
+    assert_eq!(back.nominal_film_distance, Some(28.0));
+    // A break in front of the lens is relative to the camera.
+    let front = ok(&fold("SURF 1\n", "SURF 1\n  DISZ 5\nSURF 1\n  TYPE COORDBRK\n  PARM 2 3\nSURF 1\n"));
+    assert_eq!(front.interfaces[0].coordinate_break, Some(CoordinateBreak::shifted([0.0, 3.0, 0.0])));
+}
+
+#[test]
+fn configurations_move_no_tilted_surface() {
+    let of = |operands: &str| format!("{FOLD}MNUM 2 1\n{operands}");
+    // Thicknesses in front of the tilt and behind it move along the axis.
+    let zoom = ok(&of("THIC 2 1 20\nTHIC 2 2 21\nTHIC 5 1 -28\nTHIC 5 2 -27\n"));
+    let positions = zoom.positions.expect("two");
+    assert_eq!(positions.gaps, [1, 2]);
+    assert_eq!([&positions.columns[0].gaps, &positions.columns[1].gaps], [&[20.0, 28.0], &[21.0, 27.0]]);
+    refused(&of("THIC 3 1 0\nTHIC 3 2 1\n"), "19:1", &["configuration 2 changes a thickness between tilts"]);
+    let pivot = ok(&of("PRAM 3 1 45 0 3\nPRAM 3 2 50 0 3\n"));
+    assert!(pivot.remarks[0].contains("operand PRAM changes the lens"), "{:?}", pivot.remarks);
+    let solved = fold("  PARM 3 45\n  DISZ -28", "  PARM 3 45\n  SCBD 3 3 2\n  DISZ -28");
+    assert_eq!(ok(&solved).remarks, [""; 0]);
+    let solved = ok(&format!("{solved}MNUM 2 1\nTHIC 2 2 21\n"));
+    assert!(
+        solved.remarks[0].contains("a return to the frame of an earlier surface"),
+        "{:?}",
+        solved.remarks
+    );
+}
+
+#[test]
+fn cylinders_toroids_and_biconics_are_read() {
+    let figure = |lines: &str| ok(&fold("  CURV -0.02\n", lines)).interfaces[1].shape;
+    let toroid = "  TYPE TOROIDAL\n  CURV -0.02\n  CONI -1\n  PARM 1 80\n  PARM 3 1e-5\n  PARM 8 2e-20\n";
+    let Shape::Unsymmetric(Unsymmetric::Toroid(toroid)) = figure(toroid) else { panic!("toroid") };
+    assert_eq!((toroid.meridian, toroid.radius, toroid.conic), (Meridian::Y, -50.0, -1.0));
+    assert_eq!((toroid.rotation_radius, toroid.terms[1], toroid.terms[6]), (80.0, 1e-5, 2e-20));
+    let Shape::Unsymmetric(cylinder) = figure("  TYPE TOROIDAL\n  CURV -0.02\n") else { panic!("cylinder") };
+    assert_eq!(cylinder.cylinder().map(|own| (own.meridian, own.radius)), Some((Meridian::Y, -50.0)));
+    assert_eq!(figure("  TYPE TOROIDAL\n  CURV 0\n"), Shape::Plane);
+    let biconic = "  TYPE BICONICX\n  CURV -0.02\n  CONI -1\n  PARM 1 80\n  PARM 2 0.5\n";
+    let Shape::Unsymmetric(Unsymmetric::Biconic(biconic)) = figure(biconic) else { panic!("biconic") };
+    assert_eq!((biconic.radii, biconic.conics), ([80.0, -50.0], [0.5, -1.0]));
+}
+
+#[test]
+fn a_tilted_plane_is_tilted_by_its_tangents() {
+    let text = fold("  CURV -0.02\n", "  TYPE TILTSURF\n  PARM 1 0.3\n  PARM 2 -0.4\n");
+    let lens = ok(&text);
+    let [_, plane, mirror] = lens.interfaces.as_slice() else { panic!("{lens:?}") };
+    let change = plane.coordinate_break.expect("tilted");
+    let normal = change.turned([0.0, 0.0, 1.0]);
+    let length = 1.25_f64.sqrt();
+    let expected = [-0.3 / length, 0.4 / length, 1.0 / length];
+    assert!(normal.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-15), "{normal:?}");
+    // The aperture is a circle as seen along the axis.
+    let Aperture { outline: Outline::Ellipse(axes), rotation, .. } = &plane.apertures[0] else {
+        panic!("{plane:?}")
+    };
+    assert!((axes[0] - 10.0 * length).abs() < 1e-13 && axes[1] == 10.0, "{axes:?}");
+    let (sin, cos) = rotation.to_radians().sin_cos();
+    let [x, y, z] = change.point([axes[0] * cos, axes[0] * sin, 0.0]);
+    assert!((x - 6.0).abs() < 1e-13 && (y + 8.0).abs() < 1e-13 && (z - 5.0).abs() < 1e-13, "{x} {y} {z}");
+    // Behind it the frame is that in front of it.
+    let turn = CoordinateBreak::tilted([45.0, 0.0, 0.0]);
+    let behind = change
+        .then(&CoordinateBreak::shifted([0.0, 0.0, plane.thickness]))
+        .then(&mirror.coordinate_break.expect("tilted"));
+    let found = behind.then(&CoordinateBreak::shifted([0.0, 0.0, 20.0]).then(&turn).inverse());
+    assert!(found.shift.iter().all(|shift| shift.abs() < 1e-13), "{found:?}");
+}
+
+#[test]
+fn paraxial_rays_follow_mirrors() {
+    // A concave mirror of radius 200, with a stop in its focal plane; the pupil's edge is seen 4 mm high at f/12.5.
+    let text = "ENPD 8\nFTYP 0 0 1 1\nYFLN 1\nSURF 0\n  DISZ INFINITY\nSURF 1\n  STOP\n  DISZ 100\nSURF 2\n  CURV -5e-3\n  DISZ -50\n\
+        GLAS MIRROR\nSURF 3\n  CURV 1e-2\n  DISZ 90\n  GLAS MIRROR\nSURF 4\n  DISZ 0\n";
+    let lens = ok(text);
+    let sizes: Vec<f64> = lens.interfaces.iter().map(|own| own.semi_diameter).collect();
+    let chief = 1.0_f64.to_radians().tan();
+    let expected = [4.0, 1.1 * (4.0 + 100.0 * chief), 1.1 * (2.0 + 100.0 * chief)];
+    assert!(
+        sizes.iter().zip(expected).all(|(own, expected)| (own - expected).abs() < 1e-12),
+        "{sizes:?} {expected:?}"
+    );
+    assert_eq!(lens.nominal_film_distance, Some(90.0));
+}
+
+#[test]
+fn a_mirror_behind_glass_in_three_surfaces_is_one() {
+    // A plate, a plane as large as the secondary, a Mangin mirror, and a secondary mirror behind glass.
+    let glass = "  GLAS ___BLANK 1 0 1.5 60\n";
+    let mirror = "  GLAS ___BLANK 1 0 -1 0\n";
+    let surface = |(i, (curvature, thickness, glass, size)): (usize, (f64, f64, &str, f64))| {
+        format!("SURF {}\n  CURV {curvature}\n  DISZ {thickness}\n{glass}  DIAM {size} 1\n", i + 1)
+    };
+    let rows = [
+        (0.0, 5.0, glass, 44.5),
+        (0.0, 60.0, "", 44.5),
+        (0.0, 35.0, "", 15.49),
+        (-0.004, 8.0, glass, 43.0),
+        (-0.003, 0.0, "", 43.0),
+        (-0.003, 0.0, mirror, 43.0),
+        (-0.003, -8.0, glass, 43.0),
+        (-0.004, -32.0, "", 43.0),
+        (-0.002, -3.0, glass, 15.5),
+        (-0.003, 0.0, "", 15.49),
+        (-0.003, 0.0, mirror, 15.49),
+        (-0.003, 3.0, glass, 15.49),
+        (-0.002, 90.0, "", 15.5),
+    ];
+    let rows: String = rows.into_iter().enumerate().map(surface).collect();
+    let lens = ok(&format!("SURF 0\n  DISZ INFINITY\n{rows}SURF 14\n"));
+    let [_, _, plane, front, primary, .., secondary, last] = lens.interfaces.as_slice() else {
+        panic!("{lens:?}")
+    };
+    assert_eq!(lens.interfaces.len(), 9);
+    assert!(primary.is_mirror && secondary.is_mirror && !front.is_mirror);
+    assert_eq!((primary.medium, primary.thickness), (front.medium, -8.0));
+    assert_eq!(
+        (secondary.thickness, last.medium, lens.nominal_film_distance),
+        (3.0, Medium::Air, Some(90.0))
+    );
+    // The plane lets light pass outside of it.
+    assert_eq!(plane.semi_diameter, 44.5);
+    assert!(plane.apertures[0].is_obstruction && plane.apertures[0].reach() == 15.49, "{plane:?}");
+    assert!(lens.remarks[0].contains("surface 3: a plane in air of diameter 30.98 mm"), "{:?}", lens.remarks);
 }
