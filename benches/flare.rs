@@ -28,7 +28,7 @@ fn main() {
         cameras(name, &arguments);
     }
     println!("\n| lens | f64, ns | more | f32, ns | more |\n|---|---|---|---|---|");
-    for name in catalogue::names().filter(|lens| arguments.wants(lens)) {
+    for name in catalogue::round().filter(|lens| arguments.wants(lens)) {
         shares(name, &arguments);
     }
 }

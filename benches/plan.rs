@@ -177,7 +177,7 @@ fn cameras(arguments: &BenchArguments) {
     // The largest times relative to single and to double precision, one by one and in batches.
     let mut worst = [[0.0_f64; 2]; 2];
     let mut longest = 0.0_f64;
-    for name in catalogue::names().filter(|name| arguments.wants(name)) {
+    for name in catalogue::round().filter(|name| arguments.wants(name)) {
         for stop in STOPS {
             let lens = match stop {
                 None => vec![("lens_file", name)],

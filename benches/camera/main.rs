@@ -67,7 +67,7 @@ fn main() {
 
 /// Returns every lens with its name and its `lens_file`: the catalogue's lenses, and two of realistic size.
 fn lenses() -> impl Iterator<Item = (&'static str, &'static str)> {
-    prescription::catalogue::names().map(|name| (name, name)).chain(LARGE_LENSES)
+    prescription::catalogue::round().map(|name| (name, name)).chain(LARGE_LENSES)
 }
 
 /// Returns the lenses for which every kind of call is timed, which takes some minutes.

@@ -25,7 +25,7 @@ pub fn print(effort: Effort) {
     PAIRS.iter().for_each(|[n, beside]| print!("| n = {n} | n = {beside} | ratio "));
     println!("|\n|---|---{}|", "|---|---|---".repeat(PAIRS.len()));
     let samples = samples(SAMPLES, MIDDLE);
-    for name in catalogue::names() {
+    for name in catalogue::round() {
         let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
         let film = (0.8 * FirstOrder::of(&lens).expect("focal").focal_length).min(35.0);
         for precision in [c"f64", c"f32"] {

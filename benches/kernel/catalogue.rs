@@ -21,7 +21,7 @@ pub fn print(effort: Effort) {
          | batch, f64 | per interface | batch, f32 | per interface |\n|---|---|---|---|---|---|---|---|---|"
     );
     let simd = Simd::ALL.into_iter().rfind(|simd| simd.is_available()).expect("portable lanes always are");
-    for name in catalogue::names() {
+    for name in catalogue::round() {
         let scene = scene(name);
         let (double, single) = (scene.film_rays::<f64>(BATCH), scene.film_rays::<f32>(BATCH));
         let counts = [CHAIN, double.count(), single.count()];

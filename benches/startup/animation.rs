@@ -16,7 +16,7 @@ pub fn print(arguments: &BenchArguments) {
     println!(
         "\n## {FRAMES} cameras of a lens that differ in focus, by themselves and each from the one before"
     );
-    for name in catalogue::names().filter(|name| arguments.wants(name)) {
+    for name in catalogue::round().filter(|name| arguments.wants(name)) {
         let frames = if arguments.effort.rounds == 1 { 2 } else { FRAMES };
         let mut contest = Contest::default();
         for (label, shares) in [("by themselves", false), ("from the one before", true)] {

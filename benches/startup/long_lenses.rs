@@ -148,7 +148,7 @@ fn terms(random: &mut Random, semi: f64, size: f64) -> ([f64; 5], f64) {
 }
 
 fn designed(random: &mut Random, interfaces: usize, aspheres: bool) -> Vec<Row> {
-    let names: Vec<&str> = catalogue::names().collect();
+    let names: Vec<&str> = catalogue::round().collect();
     let name = names[random.random_range(0..names.len())];
     let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
     let mut rows: Vec<Row> = lens

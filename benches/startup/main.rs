@@ -75,7 +75,7 @@ fn catalogue_lenses(arguments: &BenchArguments) {
          |---|---|---|---|---|---|---|---|---|"
     );
     let mut over = 0;
-    for name in catalogue::names().filter(|name| arguments.wants(name)) {
+    for name in catalogue::round().filter(|name| arguments.wants(name)) {
         let interfaces = catalogue::find(name).expect("listed").interfaces.len();
         let lens = [("lens_file", name), ("tolerance", TOLERANCE)];
         let [default, tolerant] = [&lens[..1], &lens[..]].map(|parameters| {

@@ -144,7 +144,7 @@ fn main() {
     let mut names: Vec<String> = arguments.iter().filter(|name| !name.starts_with("--")).cloned().collect();
     let random = names.iter().position(|name| name.parse::<u64>().is_ok()).map(|i| names.remove(i));
     if names.is_empty() && random.is_none() {
-        names = catalogue::names().map(str::to_owned).collect();
+        names = catalogue::round().map(str::to_owned).collect();
     }
     let (mut good, mut all) = (0, 0);
     for name in names {

@@ -103,7 +103,7 @@ fn whole_front(lens: &Lens) -> f64 {
 fn of_every_lens<R: Send>(work: impl Fn(&str) -> R + Sync) -> Vec<R> {
     std::thread::scope(|scope| {
         let work = &work;
-        let all: Vec<_> = catalogue::names().map(|name| scope.spawn(move || work(name))).collect();
+        let all: Vec<_> = catalogue::round().map(|name| scope.spawn(move || work(name))).collect();
         all.into_iter().map(|own| own.join().expect("told above")).collect()
     })
 }

@@ -184,7 +184,7 @@ fn side_by_side<T: Send>(
 #[test]
 #[ignore = "a sweep of minutes, which .ci/run makes: the catalogue at three stops and 60 random lenses"]
 fn every_ray_of_any_lens_has_the_product_of_its_surfaces() {
-    let all = side_by_side(catalogue::names(), |name| {
+    let all = side_by_side(catalogue::round(), |name| {
         let cameras = [(0, 1.0), (1, 1.0), (2, 2.0), (3, 2.0), (0, 5.0), (1, 5.0)];
         let found =
             |(number, closed)| (format!("{name} {closed} {number}"), of_catalogue(name, closed, number, 500));

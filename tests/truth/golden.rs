@@ -163,7 +163,7 @@ fn by_paraxial_rays(lens: &Lens) -> (f64, f64, f64) {
 
 #[test]
 fn the_two_computations_of_first_order_data_agree() {
-    for name in catalogue::names() {
+    for name in catalogue::round() {
         let lens = lens(name, 587.56);
         let matrix = FirstOrder::of(&lens).expect("focal");
         let (focal_length, front, rear) = by_paraxial_rays(&lens);

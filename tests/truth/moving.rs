@@ -232,7 +232,7 @@ fn a_position_by_name_has_the_tables_gaps_and_film() {
 #[test]
 fn cameras_at_every_position_are_as_the_files_state() {
     let mut columns = [0, 0];
-    for name in catalogue::names() {
+    for name in catalogue::round() {
         let prescription = catalogue::find(name).expect("listed");
         let Some(positions) = &prescription.positions else { continue };
         let layout = positions.layout();

@@ -34,6 +34,9 @@ catalogue![
     "zoom.24-70mm",
     "zoom.70-200mm",
     "phone.4mm",
+    "anamorphic.129mm",
+    "anamorphic.42mm",
+    "mirror.500mm",
 ];
 
 /// The default lens.
@@ -42,6 +45,11 @@ pub const DEFAULT: &str = "dgauss.50mm";
 /// Returns the names of all built-in lenses, the default first.
 pub fn names() -> impl Iterator<Item = &'static str> {
     FILES.iter().map(|&(name, _)| name)
+}
+
+/// Returns the names of the lenses whose surfaces are symmetric about one axis and refract.
+pub fn round() -> impl Iterator<Item = &'static str> {
+    names().filter(|name| !name.starts_with("anamorphic.") && !name.starts_with("mirror."))
 }
 
 /// Returns the built-in lens of that name. The name may end in `.dat`, because the course's scenes use file names.
@@ -79,6 +87,15 @@ mod tests {
             let is_asphere = |shape: Shape| matches!(shape, Shape::Asphere(_));
             assert!(lens.positions.is_none() && !lens.interfaces.iter().any(|i| is_asphere(i.shape)));
         }
+    }
+
+    #[test]
+    fn the_round_lenses_are_those_without_cylinders_tilts_and_mirrors() {
+        let is_round = |name: &&str| {
+            let lens = find(name).expect("listed");
+            lens.is_centred() && lens.interfaces.iter().all(|interface| !interface.is_mirror)
+        };
+        assert!(round().eq(names().filter(is_round)));
     }
 
     #[test]
