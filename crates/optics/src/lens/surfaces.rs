@@ -122,6 +122,14 @@ impl Surface {
         -c * height * height / (1.0 + root)
     }
 
+    /// Returns [`sagitta`](Self::sagitta) at the point (x, y).
+    fn sagitta_at(&self, [x, y]: [f64; 2]) -> f64 {
+        match &self.unsymmetric {
+            Some(figure) => -figure.sagitta([x, y]),
+            None => self.sagitta(x.hypot(y)),
+        }
+    }
+
     /// Returns the minimum and maximum sagitta inside the clear aperture, mm. For an asphere these are bounds, which
     /// form a slightly wider range.
     pub fn sagitta_range(&self) -> [f64; 2] {
@@ -454,6 +462,9 @@ impl Lens {
         let mut last: Option<usize> = None;
         let mut distance = 0.0;
         for (i, surface) in self.surfaces.iter().enumerate() {
+            if surface.coordinate_break.is_some() {
+                last = None;
+            }
             if !surface.only_limits() {
                 crossings.extend(last.and_then(|before| self.crossing([before, i], distance)));
                 (last, distance) = (Some(i), 0.0);
@@ -465,14 +476,29 @@ impl Lens {
 
     /// Tests two surfaces, whose vertices lie `distance` apart, for an overlap.
     fn crossing(&self, surfaces: [usize; 2], distance: f64) -> Option<Crossing> {
-        let [first, second] = surfaces.map(|i| &self.surfaces[i]);
+        let [mut first, mut second] = surfaces.map(|i| &self.surfaces[i]);
+        // Between mirrors light may travel toward +z: the surfaces are seen from the other side.
+        let mut distance = distance;
+        if second.is_reversed {
+            (first, second, distance) = (second, first, -distance);
+        }
         if distance + first.sagitta_range()[0] > second.sagitta_range()[1] {
             return None;
         }
-        let gap = |height: f64| distance + first.sagitta(height) - second.sagitta(height);
+        // Surfaces without symmetry are compared in both meridians.
+        let is_round = first.unsymmetric.is_none() && second.unsymmetric.is_none();
+        let azimuths = if is_round { &[[0.0, 1.0]][..] } else { &[[0.0, 1.0], [1.0, 0.0]] };
+        let gap = |height: f64| {
+            let gaps = azimuths.iter().map(|azimuth| {
+                let point = azimuth.map(|part| part * height);
+                distance + first.sagitta_at(point) - second.sagitta_at(point)
+            });
+            gaps.fold(f64::INFINITY, f64::min)
+        };
         let reach = first.semi_diameter.min(second.semi_diameter);
         // Between spheres the gap is monotonic in height.
-        let annuli = if first.figure.or(second.figure).is_some() { ANNULI } else { 1 };
+        let is_plain = is_round && first.figure.or(second.figure).is_none();
+        let annuli = if is_plain { 1 } else { ANNULI };
         let heights = (0..=annuli).map(|annulus| reach * f64::from(annulus) / f64::from(annuli));
         let (mut inside, mut begin, mut overlap) = (0.0, None, 0.0_f64);
         for height in heights {
