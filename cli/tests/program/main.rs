@@ -13,6 +13,7 @@ mod release;
 mod reports;
 mod spellings;
 mod tiles;
+mod unsymmetric;
 mod wrong_uses;
 
 use std::io::Write;

@@ -81,6 +81,12 @@ pub trait Lanes:
     /// Does work in a separate function that is compiled once for the instructions of this vector type and shared by
     /// all callers. The work is inlined instead if the type needs no special instructions and is not [`Lanes::SHARED`].
     fn apart(cpu: Cpu<Self>, work: impl Compiled);
+    /// Does work as [`Lanes::apart`] does, also for types whose work is inlined there: for rare work, which would make
+    /// the functions that it is inlined into large.
+    #[inline(always)]
+    fn far_apart(cpu: Cpu<Self>, work: impl Compiled) {
+        Self::apart(cpu, work);
+    }
     /// Returns the square roots of two vectors; NaN for negative numbers. May also return NaN for 0, for positive
     /// numbers up to [`Scalar::NO_SQUARE`], and for infinity.
     #[inline(always)]

@@ -4,6 +4,7 @@
 use std::ops::{Add, Div, Mul, Sub};
 
 use super::{Compiled, Cpu, Indexed, Lanes, LookUp, Scalar, store_bits};
+use crate::Simd;
 
 /// A vector of `N` lanes in an array. `SMALL` marks code that should be small and compile quickly rather than run fast.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -133,6 +134,15 @@ impl<S: Scalar, const N: usize, const SMALL: bool> Lanes for Portable<S, N, SMAL
             work.run();
         }
         if SMALL { run(work) } else { work.run() }
+    }
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn far_apart(_: Cpu<Self>, work: impl Compiled) {
+        // The processor's fused multiply-add is found anew, because this function is compiled without it.
+        #[inline(never)]
+        fn run(work: impl Compiled) {
+            Simd::best().run(work);
+        }
+        run(work);
     }
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn sqrt_pair(mut a: Self, mut b: Self) -> [Self; 2] {

@@ -7,8 +7,8 @@ use super::{
     dispersion::Own,
     ray_arrays::{Approach, Arrays},
     ray_lanes::{End, RayLanes, Start},
-    table::Table,
-    trace::through,
+    table::{Step, Table},
+    trace::{follow, through},
 };
 #[cfg(target_arch = "x86_64")]
 use realistic_simd::Simd;
@@ -142,6 +142,10 @@ impl<S: Scalar, C: Carried<S>> Optics<S> for LensSteps<S, C> {
         let mut state = carried.start(cpu, wavelengths);
         carried.go_to(cpu, 0, &mut state);
         let (ray, crossing) = RayLanes::enter(cpu, &table.steps[0], carried.media(&state), start);
+        if let Step::General(step) = &table.steps[0] {
+            follow(cpu, carried, 0, step, Some(&crossing), &mut state);
+            return (ray, state);
+        }
         carried.cross(cpu, 0, &mut state, &crossing);
         if table.steps[0].reflects() {
             carried.turn_round(cpu, &mut state);

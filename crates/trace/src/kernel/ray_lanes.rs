@@ -180,22 +180,11 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
                 let [crossing] = asphere.trace(cpu, &mut rays, [media], [minus_z], [lead]);
                 (rays[0], crossing)
             }
-            (Step::Cylinder(cylinder), start) => {
-                let (mut ray, minus_z, lead) = Self::before_surface(cpu, start);
-                let crossing = ray.cylinder(cpu, cylinder, media, minus_z, lead);
-                (ray, crossing)
-            }
-            (Step::Sheet(sheet), start) => {
-                let (mut ray, minus_z, lead) = Self::before_surface(cpu, start);
-                let crossing = ray.sheet(cpu, sheet, media, minus_z, lead);
-                (ray, crossing)
-            }
-            (Step::Frame(frame), start) => {
+            (Step::General(step), start) => {
                 let (mut ray, minus_z, lead) = Self::before_surface(cpu, start);
                 (ray.height, ray.root) = (zero - minus_z, lead);
-                ray.frame(cpu, frame);
-                let none = ray.crossing([zero; 3], None, [zero; 2], zero);
-                (ray, none)
+                let crossing = ray.general(cpu, step, media, lead);
+                (ray, crossing.unwrap_or(ray.crossing([zero; 3], None, [zero; 2], zero)))
             }
             (
                 Step::Link(_) | Step::Stop(_) | Step::Aperture(_) | Step::Mirror(_) | Step::Renormalise(_),

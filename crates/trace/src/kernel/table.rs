@@ -9,9 +9,9 @@ use super::{
     asphere::{Conic, LaneAsphere},
     rounding::{AxialStep, RoundingGrowth},
     surface::{CompiledSurface, Tests, Transfer, surfaces},
-    unsymmetric::{Frame, LaneCylinder, LaneSheet},
+    unsymmetric::{Frame, General, LaneCylinder, LaneSheet},
 };
-use realistic_optics::trace::{ApertureTest, Aspheric, Direction, Path, UnsymmetricSheet};
+use realistic_optics::trace::{ApertureTest, Aspheric, Direction, FrameChange, Path, UnsymmetricSheet};
 use realistic_simd::Scalar;
 
 /// The test of a sphere's clear aperture.
@@ -135,12 +135,8 @@ pub enum Step<S> {
     Aperture(Box<ShapedAperture<S>>),
     /// A conic section of revolution.
     Conic(Conic<S>),
-    /// A cylinder whose section is a conic.
-    Cylinder(LaneCylinder<S>),
-    /// A toroid or a biconic.
-    Sheet(Box<LaneSheet<S>>),
-    /// A change to the frame of the next surface.
-    Frame(Box<Frame<S>>),
+    /// A change of frame, or a surface that is not symmetric about its axis.
+    General(Box<General<S>>),
     /// Reflection at the sphere or plane to which the previous step has moved the rays.
     Mirror(Mirror<S>),
     /// A surface with terms, boxed so that the other steps stay small.
@@ -150,24 +146,23 @@ pub enum Step<S> {
 }
 
 impl<S> Step<S> {
-    /// Whether this is the step at which rays are reflected.
+    /// Whether rays are reflected at this step, which is not one of [`General`].
     pub fn reflects(&self) -> bool {
         match self {
             Self::Mirror(_) => true,
             Self::Conic(conic) => conic.common.is_mirror,
             Self::Asphere(asphere) => asphere.common.is_mirror,
-            Self::Cylinder(cylinder) => cylinder.common.is_mirror,
-            Self::Sheet(sheet) => sheet.common.is_mirror,
             _ => false,
         }
     }
 
     /// Whether this is the step of its surface at which rays are refracted.
     pub fn refracts(&self) -> bool {
-        !matches!(
-            self,
-            Self::Stop(_) | Self::Aperture(_) | Self::Mirror(_) | Self::Renormalise(_) | Self::Frame(_)
-        )
+        match self {
+            Self::Stop(_) | Self::Aperture(_) | Self::Mirror(_) | Self::Renormalise(_) => false,
+            Self::General(step) => step.common().is_some(),
+            _ => true,
+        }
     }
 }
 
@@ -228,7 +223,7 @@ impl<S: Scalar> Table<S> {
         for (i, surface) in surfaces.iter().enumerate() {
             let mut transfer = transfer(last, surface.distance);
             if let Some(change) = surface.change {
-                steps.push(Step::Frame(Box::new(Frame::new(change, transfer))));
+                steps.push(frame(change, transfer));
                 transfer = FROM_Z.rounded();
             }
             if surface.is_still {
@@ -282,7 +277,7 @@ impl<S: Scalar> Table<S> {
             [] => 1.0,
         };
         if let Some(change) = path.leaving() {
-            steps.push(Step::Frame(Box::new(Frame::new(change, transfer(last, 0.0)))));
+            steps.push(frame(change, transfer(last, 0.0)));
             numbers.push(surfaces.len() - 1);
             last = None;
         }
@@ -388,10 +383,14 @@ fn unsymmetric<S: Scalar>(
     surface: &CompiledSurface<'_>,
     transfer: Transfer<S>,
 ) -> Step<S> {
-    match &sheet.cylinder {
-        Some(cylinder) => Step::Cylinder(LaneCylinder::new(sheet, cylinder, surface, transfer)),
-        None => Step::Sheet(Box::new(LaneSheet::new(sheet, surface, transfer))),
-    }
+    Step::General(Box::new(match &sheet.cylinder {
+        Some(cylinder) => General::Cylinder(LaneCylinder::new(sheet, cylinder, surface, transfer)),
+        None => General::Sheet(LaneSheet::new(sheet, surface, transfer)),
+    }))
+}
+
+fn frame<S: Scalar>(change: &FrameChange<f64>, transfer: Transfer<S>) -> Step<S> {
+    Step::General(Box::new(General::Frame(Frame::new(change, transfer))))
 }
 
 fn transfer<S: Scalar>(last: Option<(&CompiledSurface<'_>, bool)>, distance: f64) -> Transfer<S> {

@@ -4,8 +4,9 @@ use super::{
     apertures::Apertures,
     asphere::LaneAsphere,
     carried::Carried,
-    ray_lanes::RayLanes,
+    ray_lanes::{Crossing, RayLanes},
     table::{ClearTest, Link, Step, Table},
+    unsymmetric::General,
 };
 use realistic_base::numeric::Real;
 use realistic_simd::{Compiled, Cpu, Lanes};
@@ -145,32 +146,12 @@ fn trace_steps<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>, const U: usize>
                     }
                 }
             }
-            Step::Cylinder(cylinder) => {
+            Step::General(step) => {
                 for (ray, state) in rays.iter_mut().zip(states) {
-                    let minus_z = ray.minus_z(cpu, &cylinder.transfer);
-                    let lead = ray.lead(cylinder.common.is_led).unwrap_or(L::splat(cpu, L::Scalar::ZERO));
-                    let crossing = ray.cylinder(cpu, cylinder, carried.media(state), minus_z, lead);
-                    carried.cross(cpu, number, state, &crossing);
-                    if cylinder.common.is_mirror {
-                        carried.turn_round(cpu, state);
-                    }
-                }
-            }
-            Step::Sheet(sheet) => {
-                for (ray, state) in rays.iter_mut().zip(states) {
-                    let minus_z = ray.minus_z(cpu, &sheet.transfer);
-                    let lead = ray.lead(sheet.common.is_led).unwrap_or(L::splat(cpu, L::Scalar::ZERO));
-                    let crossing = ray.sheet(cpu, sheet, carried.media(state), minus_z, lead);
-                    carried.cross(cpu, number, state, &crossing);
-                    if sheet.common.is_mirror {
-                        carried.turn_round(cpu, state);
-                    }
-                }
-            }
-            Step::Frame(frame) => {
-                for (ray, state) in rays.iter_mut().zip(states) {
-                    ray.frame(cpu, frame);
-                    carried.enter_frame(cpu, state, &frame.rotation);
+                    let is_led = step.common().is_some_and(|common| common.is_led);
+                    let lead = ray.lead(is_led).unwrap_or(L::splat(cpu, L::Scalar::ZERO));
+                    let crossing = ray.general(cpu, step, carried.media(state), lead);
+                    follow(cpu, carried, number, step, crossing.as_ref(), state);
                 }
             }
             // This step is unrolled for the whole group, in which some vectors may be idle, and for a pair of vectors.
@@ -204,6 +185,27 @@ fn trace_steps<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>, const U: usize>
                     carried.cross(cpu, number, state, &crossing);
                 }
             }
+        }
+    }
+}
+
+/// Takes the data that rays carry through a step of [`General`].
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub fn follow<L: Lanes, C: Carried<L::Scalar>>(
+    cpu: Cpu<L>,
+    carried: &C,
+    number: usize,
+    step: &General<L::Scalar>,
+    crossing: Option<&Crossing<L>>,
+    state: &mut C::State<L>,
+) {
+    if let General::Frame(frame) = step {
+        carried.enter_frame(cpu, state, &frame.rotation);
+    }
+    if let (Some(crossing), Some(common)) = (crossing, step.common()) {
+        carried.cross(cpu, number, state, crossing);
+        if common.is_mirror {
+            carried.turn_round(cpu, state);
         }
     }
 }

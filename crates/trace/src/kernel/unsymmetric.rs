@@ -65,6 +65,36 @@ pub struct LaneSheet<S> {
     pub common: Common<S>,
 }
 
+/// A step that only lenses need which are not round.
+#[derive(Clone, Debug)]
+pub enum General<S> {
+    /// A change to the frame of the next surface.
+    Frame(Frame<S>),
+    /// A cylinder whose section is a conic.
+    Cylinder(LaneCylinder<S>),
+    /// A toroid or a biconic.
+    Sheet(LaneSheet<S>),
+}
+
+impl<S> General<S> {
+    /// Returns the constants that surfaces have; `None` for a change of frame.
+    pub fn common(&self) -> Option<&Common<S>> {
+        match self {
+            Self::Frame(_) => None,
+            Self::Cylinder(cylinder) => Some(&cylinder.common),
+            Self::Sheet(sheet) => Some(&sheet.common),
+        }
+    }
+
+    fn transfer(&self) -> &Transfer<S> {
+        match self {
+            Self::Frame(frame) => &frame.transfer,
+            Self::Cylinder(cylinder) => &cylinder.transfer,
+            Self::Sheet(sheet) => &sheet.transfer,
+        }
+    }
+}
+
 impl<S: Scalar> LaneCylinder<S> {
     pub fn new(
         sheet: &UnsymmetricSheet<f64>,
@@ -183,30 +213,54 @@ fn splat<L: Lanes>(cpu: Cpu<L>, constants: &UnsymmetricConstants<L::Scalar>) -> 
     }
 }
 
-/// The arguments of [`RayLanes::sheet`] and the place of its result.
-struct AtSheet<'a, L: Lanes, A, M> {
+/// The arguments of [`RayLanes::general`] and the place of its result.
+struct AtGeneral<'a, L: Lanes, A, M> {
     cpu: Cpu<L>,
-    sheet: &'a LaneSheet<L::Scalar>,
+    step: &'a General<L::Scalar>,
     ray: &'a mut RayLanes<L, A>,
     media: M,
-    minus_z: L,
     lead: L,
     crossing: &'a mut Option<Crossing<L>>,
 }
 
-impl<L: Lanes, A: Apertures<L>, M: Media<L>> Compiled for AtSheet<'_, L, A, M> {
+impl<L: Lanes, A: Apertures<L>, M: Media<L>> Compiled for AtGeneral<'_, L, A, M> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run(self) {
-        let Self { cpu, sheet, ray, media, minus_z, lead, crossing } = self;
-        *crossing = Some(ray.sheet_here(cpu, sheet, media, minus_z, lead));
+        let Self { cpu, step, ray, media, lead, crossing } = self;
+        let minus_z = ray.minus_z(cpu, step.transfer());
+        *crossing = match step {
+            General::Frame(frame) => {
+                ray.frame(cpu, frame, minus_z);
+                None
+            }
+            General::Cylinder(cylinder) => Some(ray.cylinder(cpu, cylinder, media, minus_z, lead)),
+            General::Sheet(sheet) => Some(ray.sheet(cpu, sheet, media, minus_z, lead)),
+        };
     }
 }
 
 impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
+    /// Takes rays through a step, in a function that all callers share. `lead` is the distance that the rays have come
+    /// from their origin, in units of V. Returns the crossing of a surface. Only a copy of the rays has its address
+    /// taken, so that they stay in registers at the other surfaces.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn general(
+        &mut self,
+        cpu: Cpu<L>,
+        step: &General<L::Scalar>,
+        media: impl Media<L>,
+        lead: L,
+    ) -> Option<Crossing<L>> {
+        let (mut ray, mut crossing) = (*self, None);
+        L::far_apart(cpu, AtGeneral { cpu, step, ray: &mut ray, media, lead, crossing: &mut crossing });
+        *self = ray;
+        crossing
+    }
+
     /// Takes rays to the frame of the next surface.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn frame(&mut self, cpu: Cpu<L>, frame: &Frame<L::Scalar>) {
-        let z = L::splat(cpu, L::Scalar::ZERO) - self.minus_z(cpu, &frame.transfer);
+    fn frame(&mut self, cpu: Cpu<L>, frame: &Frame<L::Scalar>, minus_z: L) {
+        let z = L::splat(cpu, L::Scalar::ZERO) - minus_z;
         let (p, v) = ([self.x, self.y, z], [self.vx, self.vy, self.vz]);
         let (mut moved, mut turned) = (p, v);
         for i in 0..3 {
@@ -221,7 +275,7 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn cylinder(
+    fn cylinder(
         &mut self,
         cpu: Cpu<L>,
         cylinder: &LaneCylinder<L::Scalar>,
@@ -251,25 +305,8 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         self.bend_along(cpu, &cylinder.common, media, normal, e, to_plane + t)
     }
 
-    /// Takes rays through a toroid or a biconic, in a function that all callers share. Only a copy of the rays has its
-    /// address taken, so that they stay in registers at the other surfaces.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn sheet(
-        &mut self,
-        cpu: Cpu<L>,
-        sheet: &LaneSheet<L::Scalar>,
-        media: impl Media<L>,
-        minus_z: L,
-        lead: L,
-    ) -> Crossing<L> {
-        let (mut ray, mut crossing) = (*self, None);
-        L::apart(cpu, AtSheet { cpu, sheet, ray: &mut ray, media, minus_z, lead, crossing: &mut crossing });
-        *self = ray;
-        crossing.expect("the work sets it")
-    }
-
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn sheet_here(
+    fn sheet(
         &mut self,
         cpu: Cpu<L>,
         sheet: &LaneSheet<L::Scalar>,
