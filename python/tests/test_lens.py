@@ -10,7 +10,7 @@ import pytest
 
 import realistic
 from realistic import Lens
-from realistic.surfaces import sag
+from realistic.surfaces import outlines, sag
 
 CATALOGUE = ["dgauss.50mm", "dgauss.100mm", "wide.22mm", "telephoto.250mm", "fisheye.10mm"]
 
@@ -391,3 +391,20 @@ def test_a_tilted_film_is_in_focus_on_its_plane():
         lens.plane_of_focus([[0, 0, 10], [1, 0, 900], [0, 1, 900]])
     with pytest.raises(ValueError, match="three points"):
         lens.plane_of_focus([[0, 0, 900]])
+
+
+def test_lenses_that_are_not_round_have_two_focal_lengths():
+    """The two anamorphic lenses of the catalogue squeeze x by two; the mirror lens is one of revolution."""
+    lens = realistic.Lens("anamorphic.129mm")
+    assert lens.focal_length_mm == pytest.approx(128.651, abs=1e-3)
+    assert lens.focal_length_x_mm == pytest.approx(65.586, abs=1e-3)
+    assert lens.back_focal_distance_x_mm == pytest.approx(32.886, abs=1e-3)
+    cylinder = lens.surfaces[12]
+    assert np.isinf(cylinder.radius_mm) and cylinder.radius_x_mm == pytest.approx(-99.505)
+    assert not lens.is_round and not cylinder.is_round
+    assert "<svg" not in lens._repr_html_()
+    with pytest.raises(ValueError, match="surface 12 is a mirror, tilted or not symmetric"):
+        outlines(lens.surfaces)
+    mirror = realistic.Lens("mirror.500mm")
+    assert mirror.focal_length_x_mm == mirror.focal_length_mm and not mirror.is_round
+    assert [number for number, surface in enumerate(mirror.surfaces) if surface.is_mirror] == [3, 6]

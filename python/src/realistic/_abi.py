@@ -103,6 +103,10 @@ class LensInfo(ctypes.Structure):
         ("index_film", c_double),
         ("front_nodal_point_mm", c_double),
         ("rear_nodal_point_mm", c_double),
+        ("focal_length_x_mm", c_double),
+        ("back_focal_distance_x_mm", c_double),
+        ("is_centred", c_uint32),
+        ("mirrors", c_uint32),
     ]
 
 
@@ -121,6 +125,9 @@ class LensSurface(ctypes.Structure):
         ("conic_radius_mm", c_double),
         ("conic", c_double),
         ("aspheric", c_double * 29),
+        ("radius_x_mm", c_double),
+        ("is_mirror", c_uint32),
+        ("is_turned", c_uint32),
     ]
 
 

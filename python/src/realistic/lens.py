@@ -182,6 +182,24 @@ class Lens:
         return float(self._info.focal_length_mm)
 
     @property
+    def focal_length_x_mm(self) -> float:
+        """Effective focal length in the meridian x; other figures are those in the meridian y.
+
+        The two differ for lenses with cylinders, toroids, biconics or tilted surfaces.
+        """
+        return float(self._info.focal_length_x_mm)
+
+    @property
+    def back_focal_distance_x_mm(self) -> float:
+        """Distance from the last vertex to the film-side focal point in the meridian x; NaN for an afocal lens."""
+        return float(self._info.back_focal_distance_x_mm)
+
+    @property
+    def is_round(self) -> bool:
+        """Whether all surfaces are symmetric about one axis and refract."""
+        return bool(self._info.is_centred) and not self._info.mirrors
+
+    @property
     def fnumber(self) -> float:
         """Absolute focal length divided by the diameter of the axial beam, from exact rays.
 
@@ -273,6 +291,9 @@ class Lens:
                     conic_radius_mm=surface.conic_radius_mm,
                     conic=surface.conic,
                     aspheric=tuple(surface.aspheric),
+                    radius_x_mm=surface.radius_x_mm,
+                    is_mirror=bool(surface.is_mirror),
+                    is_turned=bool(surface.is_turned),
                 )
             )
         return tuple(found)
@@ -430,7 +451,7 @@ class Lens:
     def _repr_html_(self) -> str:
         """Returns the cross-section as HTML, for notebooks."""
         caption = f"{self.name}: {self.focal_length_mm:.4g} mm, f/{self.fnumber:.3g}, {self.wavelength:g} nm"
-        return drawing(self.surfaces, caption)
+        return drawing(self.surfaces if self.is_round else (), caption)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _again, (self._parameters,)

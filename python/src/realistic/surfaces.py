@@ -39,6 +39,17 @@ class Surface(NamedTuple):
     aspheric: tuple[float, ...]
     """Coefficients A2, A3, ... A30, in mm^(1-i), of the sag z = c r²/(1 + √(1 - (1 + k) c² r²)) + Σ Ai r^i toward the
     film; all 0 if the surface is not aspheric."""
+    radius_x_mm: float
+    """Radius in the meridian x; differs from `radius_mm`, that in y, for cylinders, toroids and biconics."""
+    is_mirror: bool
+    """Whether the surface reflects."""
+    is_turned: bool
+    """Whether the surface does not share the axis of the one before it."""
+
+    @property
+    def is_round(self) -> bool:
+        """Whether the surface refracts and is symmetric about the axis of the one before it."""
+        return not (self.is_mirror or self.is_turned) and self.radius_x_mm == self.radius_mm
 
 
 def sag(surface: Surface, height: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -51,7 +62,17 @@ def sag(surface: Surface, height: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def outlines(surfaces: Sequence[Surface], points: int = 101) -> list[Line]:
-    """Returns the surfaces in the cross-section, each from its lower to its upper edge; for the stop, its opening."""
+    """Returns the surfaces in the cross-section, each from its lower to its upper edge; for the stop, its opening.
+
+    Raises
+    ------
+    ValueError
+        If the lens has cylinders, tilted surfaces or mirrors; `realistic draw` has their sections.
+    """
+    for number, surface in enumerate(surfaces):
+        if not surface.is_round:
+            message = f"surface {number} is a mirror, tilted or not symmetric; `realistic draw` draws such lenses"
+            raise ValueError(message)
     lines = []
     for surface in surfaces:
         height = np.linspace(-1, 1, points) * min(surface.semi_diameter_mm, abs(surface.radius_mm))

@@ -14,7 +14,7 @@ use realistic_light::{Surfaces, TStop};
 use realistic_optics::{
     imaging::{axial_beam::AxialBeam, focus::Focus, plane_of_focus::FocusedFilm},
     lens::first_order::FirstOrder,
-    prescription::{Asphere, Coating, NO_TERMS},
+    prescription::{Asphere, Coating, Meridian, NO_TERMS},
 };
 
 /// First-order data of a lens (M. Born and E. Wolf, *Principles of Optics*, chapter 4). z is a coordinate in
@@ -82,6 +82,15 @@ pub struct realistic_lens_info {
     pub front_nodal_point_mm: f64,
     /// z of the film-side nodal point.
     pub rear_nodal_point_mm: f64,
+    /// Effective focal length in the meridian x, mm; the lengths above are those in the meridian y. The two differ for
+    /// lenses with cylinders, toroids, biconics or tilted surfaces.
+    pub focal_length_x_mm: f64,
+    /// Distance from the last vertex to the film-side focal point in the meridian x, mm; NaN for an afocal lens.
+    pub back_focal_distance_x_mm: f64,
+    /// 1 if all surfaces are symmetric about one axis, otherwise 0.
+    pub is_centred: u32,
+    /// Number of mirrors among the surfaces.
+    pub mirrors: u32,
 }
 
 /// One surface of a lens. `realistic_lens_get_surface` fills this structure.
@@ -116,6 +125,14 @@ pub struct realistic_lens_surface {
     pub conic: f64,
     /// Coefficients A2, A3, … A30 of the asphere; Ai is in mm^(1 - i).
     pub aspheric: [f64; 29],
+    /// Vertex radius in the meridian x, mm. It differs from `radius_mm`, which is that in y, for a cylinder, a toroid or a
+    /// biconic; their other numbers are not given.
+    pub radius_x_mm: f64,
+    /// 1 if the surface reflects, otherwise 0.
+    pub is_mirror: u32,
+    /// 1 if the surface does not share the axis of the surface before it, or for the first that of the camera,
+    /// otherwise 0. `vertex_mm` then counts thicknesses alone.
+    pub is_turned: u32,
 }
 
 /// Describes a lens.
@@ -136,6 +153,7 @@ fn info_of(opened: &OpenedLens) -> realistic_lens_info {
     let AxialBeam { entrance, exit, .. } = beam;
     let [index_scene, index_film] = lens.outer_indices();
     let optics = first_order.as_ref().ok();
+    let in_x = FirstOrder::in_meridian(lens, Meridian::X).ok();
     let of = |position: fn(&FirstOrder) -> f64| optics.map_or(f64::NAN, position);
     let focal_length = optics.map_or(f64::INFINITY, |optics| optics.focal_length);
     let tnumber = |coating: Coating| {
@@ -169,6 +187,10 @@ fn info_of(opened: &OpenedLens) -> realistic_lens_info {
         index_film,
         front_nodal_point_mm: of(|optics| optics.nodal_points()[0]),
         rear_nodal_point_mm: of(|optics| optics.nodal_points()[1]),
+        focal_length_x_mm: in_x.map_or(f64::INFINITY, |optics| optics.focal_length),
+        back_focal_distance_x_mm: in_x.map_or(f64::NAN, |optics| optics.back_focal_distance()),
+        is_centred: lens.is_centred().into(),
+        mirrors: lens.surfaces.iter().filter(|surface| surface.is_mirror).count() as u32,
     }
 }
 
@@ -202,6 +224,9 @@ pub unsafe extern "C" fn realistic_lens_get_surface(
             conic_radius_mm: figure.radius,
             conic: figure.conic,
             aspheric: figure.terms,
+            radius_x_mm: found.unsymmetric.as_ref().map_or(found.radius, |figure| figure.surface.radii()[0]),
+            is_mirror: found.is_mirror.into(),
+            is_turned: found.coordinate_break.is_some().into(),
         };
         // SAFETY: the caller's promise.
         unsafe { give("realistic_lens_surface", filled, "surface", surface) }

@@ -9,7 +9,7 @@ use super::{
     asphere::{Conic, LaneAsphere},
     rounding::{AxialStep, RoundingGrowth},
     surface::{CompiledSurface, Tests, Transfer, surfaces},
-    unsymmetric::{Frame, General, LaneCylinder, LaneSheet},
+    unsymmetric::{Frame, GeneralStep, LaneCylinder, LaneSheet},
 };
 use realistic_optics::trace::{ApertureTest, Aspheric, Direction, FrameChange, Path, UnsymmetricSheet};
 use realistic_simd::Scalar;
@@ -136,7 +136,7 @@ pub enum Step<S> {
     /// A conic section of revolution.
     Conic(Conic<S>),
     /// A change of frame, or a surface that is not symmetric about its axis.
-    General(Box<General<S>>),
+    General(Box<GeneralStep<S>>),
     /// Reflection at the sphere or plane to which the previous step has moved the rays.
     Mirror(Mirror<S>),
     /// A surface with terms, boxed so that the other steps stay small.
@@ -146,7 +146,7 @@ pub enum Step<S> {
 }
 
 impl<S> Step<S> {
-    /// Whether rays are reflected at this step, which is not one of [`General`].
+    /// Whether rays are reflected at this step, which is none of [`GeneralStep`].
     pub fn reflects(&self) -> bool {
         match self {
             Self::Mirror(_) => true,
@@ -384,13 +384,13 @@ fn unsymmetric<S: Scalar>(
     transfer: Transfer<S>,
 ) -> Step<S> {
     Step::General(Box::new(match &sheet.cylinder {
-        Some(cylinder) => General::Cylinder(LaneCylinder::new(sheet, cylinder, surface, transfer)),
-        None => General::Sheet(LaneSheet::new(sheet, surface, transfer)),
+        Some(cylinder) => GeneralStep::Cylinder(LaneCylinder::new(sheet, cylinder, surface, transfer)),
+        None => GeneralStep::Sheet(LaneSheet::new(sheet, surface, transfer)),
     }))
 }
 
 fn frame<S: Scalar>(change: &FrameChange<f64>, transfer: Transfer<S>) -> Step<S> {
-    Step::General(Box::new(General::Frame(Frame::new(change, transfer))))
+    Step::General(Box::new(GeneralStep::Frame(Frame::new(change, transfer))))
 }
 
 fn transfer<S: Scalar>(last: Option<(&CompiledSurface<'_>, bool)>, distance: f64) -> Transfer<S> {

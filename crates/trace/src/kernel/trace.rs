@@ -6,7 +6,7 @@ use super::{
     carried::Carried,
     ray_lanes::{Crossing, RayLanes},
     table::{ClearTest, Link, Step, Table},
-    unsymmetric::General,
+    unsymmetric::GeneralStep,
 };
 use realistic_base::numeric::Real;
 use realistic_simd::{Compiled, Cpu, Lanes};
@@ -189,17 +189,17 @@ fn trace_steps<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>, const U: usize>
     }
 }
 
-/// Takes the data that rays carry through a step of [`General`].
+/// Takes the data that rays carry through a [`GeneralStep`].
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub fn follow<L: Lanes, C: Carried<L::Scalar>>(
     cpu: Cpu<L>,
     carried: &C,
     number: usize,
-    step: &General<L::Scalar>,
+    step: &GeneralStep<L::Scalar>,
     crossing: Option<&Crossing<L>>,
     state: &mut C::State<L>,
 ) {
-    if let General::Frame(frame) = step {
+    if let GeneralStep::Frame(frame) = step {
         carried.enter_frame(cpu, state, &frame.rotation);
     }
     if let (Some(crossing), Some(common)) = (crossing, step.common()) {

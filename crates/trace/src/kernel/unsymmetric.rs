@@ -67,7 +67,7 @@ pub struct LaneSheet<S> {
 
 /// A step that only lenses need which are not round.
 #[derive(Clone, Debug)]
-pub enum General<S> {
+pub enum GeneralStep<S> {
     /// A change to the frame of the next surface.
     Frame(Frame<S>),
     /// A cylinder whose section is a conic.
@@ -76,7 +76,7 @@ pub enum General<S> {
     Sheet(LaneSheet<S>),
 }
 
-impl<S> General<S> {
+impl<S> GeneralStep<S> {
     /// Returns the constants that surfaces have; `None` for a change of frame.
     pub fn common(&self) -> Option<&Common<S>> {
         match self {
@@ -214,27 +214,27 @@ fn splat<L: Lanes>(cpu: Cpu<L>, constants: &UnsymmetricConstants<L::Scalar>) -> 
 }
 
 /// The arguments of [`RayLanes::general`] and the place of its result.
-struct AtGeneral<'a, L: Lanes, A, M> {
+struct AtGeneralStep<'a, L: Lanes, A, M> {
     cpu: Cpu<L>,
-    step: &'a General<L::Scalar>,
+    step: &'a GeneralStep<L::Scalar>,
     ray: &'a mut RayLanes<L, A>,
     media: M,
     lead: L,
     crossing: &'a mut Option<Crossing<L>>,
 }
 
-impl<L: Lanes, A: Apertures<L>, M: Media<L>> Compiled for AtGeneral<'_, L, A, M> {
+impl<L: Lanes, A: Apertures<L>, M: Media<L>> Compiled for AtGeneralStep<'_, L, A, M> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run(self) {
         let Self { cpu, step, ray, media, lead, crossing } = self;
         let minus_z = ray.minus_z(cpu, step.transfer());
         *crossing = match step {
-            General::Frame(frame) => {
+            GeneralStep::Frame(frame) => {
                 ray.frame(cpu, frame, minus_z);
                 None
             }
-            General::Cylinder(cylinder) => Some(ray.cylinder(cpu, cylinder, media, minus_z, lead)),
-            General::Sheet(sheet) => Some(ray.sheet(cpu, sheet, media, minus_z, lead)),
+            GeneralStep::Cylinder(cylinder) => Some(ray.cylinder(cpu, cylinder, media, minus_z, lead)),
+            GeneralStep::Sheet(sheet) => Some(ray.sheet(cpu, sheet, media, minus_z, lead)),
         };
     }
 }
@@ -247,12 +247,12 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
     pub fn general(
         &mut self,
         cpu: Cpu<L>,
-        step: &General<L::Scalar>,
+        step: &GeneralStep<L::Scalar>,
         media: impl Media<L>,
         lead: L,
     ) -> Option<Crossing<L>> {
         let (mut ray, mut crossing) = (*self, None);
-        L::far_apart(cpu, AtGeneral { cpu, step, ray: &mut ray, media, lead, crossing: &mut crossing });
+        L::far_apart(cpu, AtGeneralStep { cpu, step, ray: &mut ray, media, lead, crossing: &mut crossing });
         *self = ray;
         crossing
     }

@@ -66,7 +66,7 @@ pub(super) struct SurfaceRow {
     pub general: General,
 }
 
-/// What a surface has that is no refracting surface of revolution on the axis.
+/// The properties of a surface that is not a refracting surface of revolution on the axis.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct General {
     /// The figure, if it is not symmetric about its axis. The row's radius is then infinite.
