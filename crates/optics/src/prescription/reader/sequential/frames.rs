@@ -114,3 +114,43 @@ impl Frames {
         all(self).into_iter().zip(all(other)).position(|(own, other)| own != other)
     }
 }
+
+/// What becomes of a decentre and tilts behind their surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in super::super) enum Behind {
+    /// They stay for the surfaces that follow.
+    Stay,
+    /// They are undone.
+    Return,
+    /// The tilts are repeated, so that the axis follows the light that a mirror reflects.
+    Bend,
+}
+
+/// Returns the changes of frame in front of a surface and behind it, in the sense of Code V and RayOptics: a decentre, mm,
+/// then tilts about x, y and z, degrees, of which those about x and y are positive in the left-handed sense.
+///
+/// # Errors
+/// The bend is not known for certain; the text says so.
+pub(in super::super) fn decentre_and_tilts(
+    decentre: [f64; 3],
+    [a, b, c]: [f64; 3],
+    behind: Behind,
+    is_mirror: bool,
+) -> Result<[Option<CoordinateBreak>; 2], &'static str> {
+    if [decentre, [a, b, c]] == [[0.0; 3]; 2] {
+        return Ok([None; 2]);
+    }
+    let tilt = CoordinateBreak::tilted([-a, -b, c]);
+    let change = CoordinateBreak::shifted(decentre).then(&tilt);
+    let back = match behind {
+        Behind::Stay => None,
+        Behind::Return => Some(change.inverse()),
+        Behind::Bend if !is_mirror || c != 0.0 || a != 0.0 && b != 0.0 => {
+            return Err(
+                "has a bend that is not one tilt, about x or y, of a mirror; write it as tilts before and behind the mirror",
+            );
+        }
+        Behind::Bend => Some(tilt),
+    };
+    Ok([Some(change), back])
+}
