@@ -37,7 +37,7 @@ impl Run {
     }
 
     /// Returns the distance to the next surface, and the change of frame in front of it.
-    fn to_surface(self) -> (f64, Option<CoordinateBreak>) {
+    fn into_surface(self) -> (f64, Option<CoordinateBreak>) {
         let change = self.change.then(&along(self.rest));
         match change.along_axis() {
             Some(length) => (self.lead + length, None),
@@ -47,7 +47,7 @@ impl Run {
 
     /// Returns the distance to the film, which is the sum of the thicknesses, and the change of frame in front of that
     /// distance. The film moves along its own normal.
-    fn to_film(self) -> (f64, Option<CoordinateBreak>) {
+    fn into_film(self) -> (f64, Option<CoordinateBreak>) {
         match self.change.along_axis() {
             Some(length) => (self.lead + length, None),
             None => {
@@ -93,7 +93,7 @@ impl Frames {
         for (i, (surface, thickness)) in surfaces.iter().zip(thicknesses).enumerate() {
             run.add(surface.general.coordinate_break);
             if effective.get(breaks.len()) == Some(&i) {
-                let (distance, change) = std::mem::replace(&mut run, Run::EMPTY).to_surface();
+                let (distance, change) = std::mem::replace(&mut run, Run::EMPTY).into_surface();
                 distances.push(distance);
                 breaks.push(change);
             }
@@ -101,7 +101,7 @@ impl Frames {
             run.add_thickness(*thickness);
         }
         run.add(image);
-        let (distance, film_break) = run.to_film();
+        let (distance, film_break) = run.into_film();
         distances.push(distance);
         let front = distances.remove(0);
         Self { front, gaps: distances, breaks, film_break }
