@@ -50,7 +50,7 @@ const SMALL: [&[u8]; 16] = [
 ];
 
 /// Lenses of other programs: sequences of Code V and OSLO, and JSON of every format. The properties mutate them, too.
-pub const OTHERS: [&[u8]; 10] = [
+pub const OTHERS: [&[u8]; 15] = [
     b"RDM;LEN \"VERSION: 11.2\"\nTITLE 'x'\nEPD 8; DIM M\nWL 656.3 587.6 &\n486.1\nREF 2\nYAN 0 5\nPRV\nPWL 656.3 587.6 486.1\n\
       'OWN' 1.514 1.517 1.523\n'NOA' LAU 2.36 0 0.025\nEND\nSO 0 1e14\nS 50 4 OWN ! front\n  ASP\n  K -0.5; A 1e-6; J 0\n  \
       CIR 12; CIR OBS L'A' 2\nS -50 2 620.603\n  REX 9; REY 8; ADY 1\n  XDE 0\nS 0 1\n  STO\nS -80 60 NBK7_SCHOTT\nS 0 40\n  \
@@ -84,6 +84,21 @@ pub const OTHERS: [&[u8]; 10] = [
     br#"{"Assembly": {"0": {"Thickness": 1e10}, "1": {"Type": "ASP", "Curvature": 0.02, "Thickness": 4, "Material": "1.5:60",
         "Coefs": [1e-7], "Conic": -1}, "2": {"Curvature": -0.02, "Thickness": 48, "Aperture": {"Type": "Circular", "Radius": 9}},
         "3": {}, "Stop": 1}, "Spec": {"Pupil": {"Type": 0, "Value": 10}, "Field": {"Type": 0, "Y": [0, 10]}, "Wvl": {"Value": [550]}}}"#,
+    b"MODE SEQ\nUNIT MM\nENPD 8\nSURF 0\n  DISZ INFINITY\nSURF 1\n  STOP\n  TYPE TOROIDAL\n  CURV 0.02\n  PARM 1 80\n  DISZ 4\n  \
+      GLAS ___BLANK 1 0 1.5 60\n  DIAM 9 1\nSURF 2\n  TYPE BICONICX\n  CURV -0.02\n  PARM 1 -60\n  DISZ 20\n  DIAM 9 1\nSURF 3\n  \
+      TYPE COORDBRK\n  PARM 3 45\n  PARM 6 1\n  DISZ 1\n  SCBD 3 3 2\nSURF 4\n  SCBD 1 0 0 1 2 3 4 5\n  SCBD 2 1 0 -1 -2 -3 -4 -5\n  \
+      GLAS MIRROR\n  DISZ -30\n  DIAM 15 1\nSURF 5\n  TYPE TILTSURF\n  PARM 1 0.1\n  DISZ -5\n  DIAM 20 1\nSURF 6\n  DISZ 0\n\
+      MNUM 2 1\nTHIC 2 1 20\nTHIC 2 2 21\n",
+    b"SURF 0\n  DISZ INFINITY\nSURF 1\n  DISZ 35\n  DIAM 9 1\nSURF 2\n  CURV -.004\n  DISZ 8\n  GLAS ___BLANK 1 0 1.5 60\n  DIAM 40 1\n\
+      SURF 3\n  CURV -.003\n  DIAM 40 1\nSURF 4\n  CURV -.003\n  GLAS ___BLANK 1 0 -1\n  DIAM 40 1\nSURF 5\n  CURV -.003\n  DISZ -8\n  \
+      GLAS ___BLANK 1 0 1.5 60\n  DIAM 40 1\nSURF 6\n  CURV -.004\n  DISZ -34\n  DIAM 40 1\nSURF 7\n  DISZ 60\n  GLAS MIRROR\n  DIAM 9 1\n\
+      SURF 8\n",
+    b"RDM\nEPD 8\nDIM M\nSO 0 1e14\nS 50 4 517642\n  STO; CIR 6\nS -50 20\n  CIR 6\nS 0 -30 REFL\n  ADE -40; BEN; CIR 9; CIR HOL 1\n\
+      S -60 -3 517642\n  XDE 1; ZDE 0.5; BDE 2; CDE 3; DAR; CIR 8\nS 60 -15\n  CIR 8\nSI 0 0\n  ADE 5\n",
+    b"[lens data]\n1\t-300\t0\t-1\t80\n2\t-300\t-90\t\t80\n3\t-140\t100\t-1.0\t30\n",
+    br#"{"surface_group": {"surfaces": [{"geometry": {"cs": {"z": -Infinity}}}, {"geometry": {"type": "ToroidalGeometry", "cs": {"z": 0,
+        "rx": 0.1}, "radius_x": -200, "radius_y": -220, "conic_yz": -1, "coeffs_poly_y": [0, 1e-8]}, "material_post": {"type":
+        "Mirror"}, "aperture": {"type": "RadialAperture", "r_max": 9}}, {"geometry": {"type": "Plane", "cs": {"z": -95, "y": 2}}}]}}"#,
 ];
 
 /// Texts that are refused: an unknown catalogue, a catalogue of glasses with wrong lines, files of other programs.

@@ -31,6 +31,14 @@ pub struct Toroid {
     pub rotation_radius: f64,
 }
 
+impl Toroid {
+    /// Returns a cylinder that is curved in a meridian, mm; a plane if the radius is infinite.
+    pub fn cylinder(meridian: Meridian, radius: f64) -> Self {
+        let terms = [0.0; PROFILE_TERMS];
+        Self { meridian, radius, conic: 0.0, terms, rotation_radius: f64::INFINITY }
+    }
+}
+
 /// A biconic: z = (c_x x² + c_y y²)/(1 + √(1 - (1 + k_x) c_x² x² - (1 + k_y) c_y² y²)), where z is counted from the
 /// vertex toward the film (OpticStudio, "Biconic").
 #[derive(Clone, Copy, Debug, PartialEq)]

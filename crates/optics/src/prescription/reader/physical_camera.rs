@@ -14,13 +14,14 @@ use toml::de::{DeTable, DeValue};
 
 use super::{
     ledger::Ledger,
-    surface_rows::{self, MediumBehind, Role, SurfaceRow},
+    surface_rows::{self, General, MediumBehind, Role, SurfaceRow},
     text::{Location, Text},
 };
 use crate::prescription::{
     Fate, LensFileError,
     coating::{Coating, SurfaceCoating},
     interfaces::{Asphere, FIRST_POWER, Medium, NO_TERMS, Prescription, Stated, has_coating},
+    unsymmetric::{Meridian, Toroid, Unsymmetric},
 };
 use realistic_base::message::{cut, quoted};
 
@@ -202,7 +203,9 @@ fn row(
         "spherical" | "aspheric" if radius == 0.0 => {
             return Err(document.error(span, format!("surface {number} is {} and has radius 0", kind.0)));
         }
-        "spherical" | "flat" | "stop" if coefficients.is_some() || conic != 0.0 => {
+        "spherical" | "flat" | "stop" | "cylindrical_x" | "cylindrical_y"
+            if coefficients.is_some() || conic != 0.0 =>
+        {
             let message = format!("surface {number} has the figure of an asphere and is {}", kind.0);
             return Err(document.error(&kind.1, message));
         }
@@ -210,14 +213,7 @@ fn row(
             let message = format!("surface {number} has a radius and is {}; expected radius 0", kind.0);
             return Err(document.error(&kind.1, message));
         }
-        "spherical" | "aspheric" | "flat" | "stop" => {}
-        "cylindrical_x" | "cylindrical_y" => {
-            let message = format!(
-                "surface {number} is a cylinder ({}); only surfaces of revolution about one axis are traced",
-                kind.0
-            );
-            return Err(document.error(&kind.1, message));
-        }
+        "spherical" | "aspheric" | "flat" | "stop" | "cylindrical_x" | "cylindrical_y" => {}
         other => {
             let message = format!("surface {number} is of type \"{}\", which is not read", cut(other));
             return Err(document.error(&kind.1, message));
@@ -233,15 +229,23 @@ fn row(
             None => return Err(document.error(span, format!("surface {number} has a term of r^{power}"))),
         }
     }
+    let radius = if radius == 0.0 { f64::INFINITY } else { radius };
+    // The letter is that of the meridian in which the cylinder bends light.
+    let meridian = match kind.0.as_str() {
+        "cylindrical_x" => Some(Meridian::X),
+        "cylindrical_y" => Some(Meridian::Y),
+        _ => None,
+    };
+    let unsymmetric = meridian.map(|meridian| Unsymmetric::Toroid(Toroid::cylinder(meridian, radius)));
     Ok(SurfaceRow {
-        radius: if radius == 0.0 { f64::INFINITY } else { radius },
+        radius: if unsymmetric.is_some() { f64::INFINITY } else { radius },
         role: if kind.0 == "stop" { Role::Stop } else { Role::Any },
         thickness: stated(thickness, "thickness")?,
         behind: MediumBehind::from(n_d.map_or(Medium::Air, |n_d| Medium::Glass { n_d, abbe })),
         diameter: stated(diameter, "aperture")?,
         asphere: (kind.0 == "aspheric").then_some(Asphere { radius: f64::INFINITY, conic, terms }),
         apertures: Vec::new(),
-        general: Default::default(),
+        general: General { unsymmetric, ..General::default() },
     })
 }
 
@@ -346,6 +350,13 @@ mod tests {
         assert_eq!(lens.coatings, Some(vec![coated.clone(), coated, bare]));
         assert_eq!(lens.remarks, [""; 0]);
         assert!(lens.findings.iter().all(|finding| finding.fate != Fate::LeftOut), "{:?}", lens.findings);
+        // The letter is that of the meridian with power.
+        for (kind, radii) in [("x", [50.0, f64::INFINITY]), ("y", [f64::INFINITY, 50.0])] {
+            let cylinder =
+                ok(&with("radius = 50.0", &format!("type = \"cylindrical_{kind}\"\nradius = 50.0")));
+            let Shape::Unsymmetric(figure) = cylinder.interfaces[0].shape else { panic!("{cylinder:?}") };
+            assert_eq!(figure.radii(), radii);
+        }
         let open = ok(&with("thickness = 40.0", "thickness = 0.0"));
         assert_eq!(open.nominal_film_distance, None);
         assert_eq!(ok(&with("\"single\"", "\"none\"")).coatings, None);
@@ -379,7 +390,7 @@ mod tests {
         refused(
             &with("\"aspheric\"", "\"cylindrical_x\""),
             "17:8",
-            &["surface 2 is a cylinder (cylindrical_x)"],
+            &["surface 2 has the figure of an asphere and is cylindrical_x"],
         );
         refused(&with("\"aspheric\"", "\"toric\""), "17:8", &["surface 2 is of type \"toric\""]);
         refused(&with("\"aspheric\"", "\"spherical\""), "17:8", &["has the figure of an asphere"]);

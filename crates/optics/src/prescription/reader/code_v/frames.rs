@@ -4,7 +4,11 @@
 
 use crate::prescription::{
     CoordinateBreak, LensFileError,
-    reader::{commands::Block, text::Text},
+    reader::{
+        commands::Block,
+        sequential::{Behind, decentre_and_tilts},
+        text::Text,
+    },
 };
 
 /// Keywords of decentres and tilts that are read.
@@ -26,23 +30,20 @@ pub(super) fn read(
     if values == [0.0; 6] {
         return Ok([None; 2]);
     }
-    let [x, y, z, a, b, c] = values;
-    let tilt = CoordinateBreak::tilted([-a, -b, c]);
-    let change = CoordinateBreak::shifted([x, y, z]).then(&tilt);
     let [reverse, bend, back] =
         ["REV", "BEN", "DAR"].map(|key| block.find(key).inspect(|own| _ = own.record.values()));
     if let Some(statement) = reverse {
         let what = "has a reversed tilt or decentring, whose order is not known for certain; write the tilts themselves";
         return Err(block.refused(text, statement, what));
     }
-    if let Some(statement) = bend {
-        if !is_mirror || c != 0.0 || a != 0.0 && b != 0.0 {
-            let what = "has a bend that is not one tilt, ADE or BDE, of a mirror; write it as tilts before and behind the mirror";
-            return Err(block.refused(text, statement, what));
-        }
-        return Ok([Some(change), Some(tilt)]);
-    }
-    Ok([Some(change), back.map(|_| change.inverse())])
+    let behind = match (bend, back) {
+        (Some(_), _) => Behind::Bend,
+        (None, Some(_)) => Behind::Return,
+        (None, None) => Behind::Stay,
+    };
+    let [x, y, z, a, b, c] = values;
+    let at = bend.unwrap_or(&block.entry);
+    decentre_and_tilts([x, y, z], [a, b, c], behind, is_mirror).map_err(|what| block.refused(text, at, what))
 }
 
 /// Checks that the object is not tilted.

@@ -163,7 +163,11 @@ fn medium(
     }
     let own = part.need("Material", "a name")?;
     if name.eq_ignore_ascii_case("MIRROR") {
-        return Err(refused(own, number, "is a mirror; only lenses that refract are traced"));
+        return Err(refused(
+            own,
+            number,
+            "is a mirror, of which the sign of the thickness behind it is not known in this format",
+        ));
     }
     if let Some(Medium::Glass { n_d, abbe }) = by_pair(name) {
         return super::by_numbers(name, n_d, abbe, glasses).map_err(|why| own.error(why));

@@ -14,8 +14,9 @@ use crate::prescription::{
     reader::{
         ledger::Ledger,
         sequential::{SequentialLens, SequentialSurface, SurfacePlaces, asphere, set_term},
-        surface_rows::MediumBehind,
+        surface_rows::{General, MediumBehind},
     },
+    unsymmetric::{Meridian, Toroid, Unsymmetric},
 };
 use realistic_base::message::{as_given, cut};
 use std::collections::HashMap;
@@ -236,14 +237,14 @@ fn surface(
 ) -> Result<(SequentialSurface, f64), LensFileError> {
     let form = part.need("form", "the form of the surface")?;
     let radius = form.number("radius")?.unwrap_or(0.0);
+    let unsymmetric = cylinder(form, number, radius)?;
+    let curvature = if unsymmetric.is_some() { 0.0 } else { curvature(radius) };
     let asphere = match form.string("type")?.unwrap_or("") {
         "sphere" => None,
         "asphere" => figure(form, number)?,
-        "cylindrical" => {
-            return Err(refused(form, number, format!("is a cylinder (cylindrical); {REVOLUTION}")));
-        }
+        "cylindrical" => None,
         other => {
-            let what = format!("has the form {}; read are sphere and asphere", cut(other));
+            let what = format!("has the form {}; read are sphere, asphere and cylindrical", cut(other));
             return Err(refused(form, number, what));
         }
     };
@@ -266,7 +267,7 @@ fn surface(
     }
     let reach = apertures.iter().map(Outline::reach).fold(size, f64::max);
     let surface = SequentialSurface {
-        curvature: curvature(radius),
+        curvature,
         asphere,
         behind,
         semi_diameter: Some(reach),
@@ -275,10 +276,28 @@ fn surface(
         apertures,
         is_fixed: true,
         is_stop: part.flag("is_stop")?,
-        general: Default::default(),
+        general: General { unsymmetric, ..General::default() },
         break_behind: None,
     };
     Ok((surface, layers))
+}
+
+/// Returns the cylinder of a form; `None` if the form is none. The axis of the cylinder is straight: along y it bends light
+/// in x.
+fn cylinder(form: Part<'_>, number: &str, radius: f64) -> Result<Option<Unsymmetric>, LensFileError> {
+    if form.string("type")? != Some("cylindrical") {
+        return Ok(None);
+    }
+    let meridian = match form.string("axis")?.unwrap_or("") {
+        "y" => Meridian::X,
+        "x" => Meridian::Y,
+        other => {
+            let what = format!("is a cylinder along \"{}\"; expected the axis \"x\" or \"y\"", cut(other));
+            return Err(refused(form, number, what));
+        }
+    };
+    let radius = if radius == 0.0 { f64::INFINITY } else { radius };
+    Ok(Some(Unsymmetric::Toroid(Toroid::cylinder(meridian, radius))))
 }
 
 /// Returns the figure of an asphere.

@@ -5,7 +5,8 @@
 //! `SemiDiameter` is the edge of the glass as it is drawn. `ClearAperturePercent` is that semi-diameter relative to the
 //! clear one: in the stock lenses 12.7 mm at 111.1 % has the clear semi-diameter 11.43 mm, half of the stated pupil.
 //!
-//! The format has no cylinders, and the collection has cylindrical lenses as surfaces of revolution. Their titles tell.
+//! The format has no cylinders, and the collection has cylindrical lenses as surfaces of revolution. Their titles tell, and
+//! they are refused.
 
 use super::{
     NamedGlasses, Part, by_name, by_numbers, check_image, curvature, fates::NoEffect, finished,
@@ -134,11 +135,12 @@ pub(super) fn read(
     };
     let (lens, _) = lens.prescription(root.text, root.node.location, ledger)?;
     let title = title(root.string("Title")?);
-    if title.as_ref().is_some_and(|title| title.to_ascii_lowercase().contains("cylind")) {
-        let location = root.need("Title", "a title")?.node.location;
-        let reason = "the title calls the lens cylindrical, and the file has no cylinders: the surfaces of revolution that it \
-                      states are traced";
-        ledger.warn(Fate::Replaced, location, "Title", None, reason);
+    let is_cylinder = |word: &str| word == "cyl" || word.starts_with("cylind");
+    let lower = title.as_ref().map(|title| title.to_ascii_lowercase()).unwrap_or_default();
+    if lower.split(|c: char| !c.is_ascii_alphabetic()).any(is_cylinder) {
+        let message = "the title calls the lens cylindrical, and the format has no cylinders: the round surfaces that the file \
+                       states are not those of the lens; take it from its maker's Zemax file, or change the title to trace them";
+        return Err(root.need("Title", "a title")?.error(message));
     }
     Ok(finished(Prescription { title, ..lens }, glasses, root.text.file))
 }
@@ -272,7 +274,11 @@ fn medium(
     }
     let material = part.need("Material", "a name")?;
     if name.eq_ignore_ascii_case("MIRROR") {
-        return Err(refused(material, number, "is a mirror; only lenses that refract are traced"));
+        return Err(refused(
+            material,
+            number,
+            "is a mirror, of which the sign of the thickness behind it is not known in this format",
+        ));
     }
     match by_fractions(name).filter(|_| name.len() == 8 && name.as_bytes()[3] == b'.') {
         Some(Medium::Glass { n_d, abbe }) => {

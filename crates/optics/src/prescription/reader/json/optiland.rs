@@ -1,24 +1,25 @@
 //! Optiland. Its writer stores its Python objects: `surface_group` with the surfaces, the object first and the image
-//! last, `aperture`, `fields` and `wavelengths`. Every surface has its place along the axis (`cs.z`) and the material
-//! behind it. Sizes are stated for surfaces with an `aperture` alone; the others follow from aperture and field.
+//! last, `aperture`, `fields` and `wavelengths`. Every surface has its place (`cs`, with rotations in radians about x,
+//! then y, then z, of fixed axes) and the material behind it. Sizes are stated for surfaces with an `aperture` alone; the others follow from aperture and field.
 //!
 //! A material names a glass and perhaps its catalogue (`catalog` or `reference`). Its `filename` is a path on the computer of the
 //! writer, and is never opened.
 
 use super::{
-    NamedGlasses, Part, REVOLUTION, by_name, by_numbers, check_image, curvature, fates::NoEffect, finished,
+    NamedGlasses, Part, by_name, by_numbers, check_image, curvature, fates::NoEffect, finished,
     object_own_image, place, refused, title,
 };
 use crate::prescription::{
-    Aperture as Outline, Fate, LensFileError, Outline as Figure,
+    Aperture as Outline, CoordinateBreak, Fate, LensFileError, Outline as Figure, PROFILE_TERMS,
     glass::GlassLibrary,
     interfaces::{Asphere, Medium, NO_TERMS, Prescription},
     reader::{
         ledger::Ledger,
         sequential::{Aperture, Field, SequentialLens, SequentialSurface, asphere, nanometres, set_term},
-        surface_rows::{MediumBehind, checked},
+        surface_rows::{General, MediumBehind, checked},
         text::Location,
     },
+    unsymmetric::{Meridian, Toroid, Unsymmetric},
 };
 use realistic_base::message::{as_given, cut};
 
@@ -104,18 +105,20 @@ pub(super) fn read(
     let front = checked(medium(object, "0", &mut glasses)?, |reason| {
         ledger.warn(Fate::Replaced, object.node.location, "material_post", Some("0"), reason);
     });
-    let mut surfaces = Vec::with_capacity(own.len());
+    let mut surfaces: Vec<SequentialSurface> = Vec::with_capacity(own.len());
     let mut places = Vec::with_capacity(own.len());
-    let mut heights = Vec::with_capacity(own.len() + 1);
+    let mut frames = Vec::with_capacity(own.len() + 1);
     for (number, &part) in (1..).zip(own) {
         let number: String = format!("{number}");
-        surfaces.push(surface(part, &number, &mut glasses)?);
-        heights.push(vertex(part, &number)?);
+        let in_front = surfaces.last().map_or(front, |before| before.behind);
+        surfaces.push(surface(part, &number, in_front, &mut glasses)?);
+        frames.push(frame(part, &number)?);
         places.push(place(part, number, Some("aperture"), Some("thickness")));
     }
     let flat = image.need("geometry", "a geometry")?;
     check_image(curvature(flat.number_or_infinity("radius")?.unwrap_or(0.0)), flat, "radius", ledger);
-    heights.push(vertex(image, "of the image")?);
+    frames.push(frame(image, "of the image")?);
+    let heights: Vec<f64> = frames.iter().map(|frame| frame.shift[2]).collect();
     let object_height = object
         .get("geometry")
         .and_then(|geometry| geometry.get("cs"))
@@ -128,13 +131,14 @@ pub(super) fn read(
         let rounding = ROUNDED * (height.abs() + thickness.abs());
         *thickness = stated.filter(|stated| (stated - *thickness).abs() <= rounding).unwrap_or(*thickness);
     }
+    let image_break = set_breaks(&frames, &mut surfaces, &mut thicknesses, own, image)?;
     let lens = SequentialLens {
         object: front,
         object_place: object.node.location,
         object_distance: heights[0] - object_height,
         surfaces,
         thicknesses,
-        image_break: None,
+        image_break,
         places,
         aperture: aperture(root)?,
         field: field(root, ledger)?,
@@ -148,20 +152,9 @@ pub(super) fn read(
     Ok(finished(Prescription { title, ..lens }, glasses, root.text.file))
 }
 
-/// Returns the place of a surface along the axis.
-///
-/// # Errors
-/// The surface is tilted or off the axis.
-fn vertex(part: Part<'_>, number: &str) -> Result<f64, LensFileError> {
+/// Returns the frame of a surface in the frame of the file.
+fn frame(part: Part<'_>, number: &str) -> Result<CoordinateBreak, LensFileError> {
     let system = part.need("geometry", "a geometry")?.need("cs", "a coordinate system")?;
-    for key in ["x", "y", "rx", "ry"] {
-        if system.number(key)?.is_some_and(|value| value != 0.0) {
-            let place = system.need(key, "0")?;
-            let what = format!("has a tilt or decentring (cs.{key}); {REVOLUTION}");
-            return Err(refused(place, number, what));
-        }
-    }
-    system.number("rz")?;
     if let Some(other) = system.get("reference_cs") {
         return Err(refused(
             other,
@@ -169,20 +162,70 @@ fn vertex(part: Part<'_>, number: &str) -> Result<f64, LensFileError> {
             "stands in another coordinate system (reference_cs), which is not read",
         ));
     }
-    system.needed_number("z", "the place on the axis")
+    let z = system.needed_number("z", "the place on the axis")?;
+    let value = |key: &str| -> Result<f64, LensFileError> { Ok(system.number(key)?.unwrap_or(0.0)) };
+    let [x, y] = [value("x")?, value("y")?];
+    let [a, b, c] = [value("rx")?, value("ry")?, value("rz")?].map(f64::to_degrees);
+    // About fixed axes: the rotation about z is the outermost one.
+    let tilts = [[0.0, 0.0, c], [0.0, b, 0.0], [a, 0.0, 0.0]].map(CoordinateBreak::tilted);
+    Ok(tilts.iter().fold(CoordinateBreak::shifted([x, y, z]), |frame, tilt| frame.then(tilt)))
+}
+
+/// Gives the surfaces of a lens that does not stand along one axis the changes of frame from each to the next, and the
+/// distances along z. Returns the change in front of the image.
+///
+/// # Errors
+/// The frame of a surface is turned so that light meets it from the other side than after as many mirrors elsewhere.
+fn set_breaks(
+    frames: &[CoordinateBreak],
+    surfaces: &mut [SequentialSurface],
+    thicknesses: &mut [f64],
+    own: &[Part<'_>],
+    image: Part<'_>,
+) -> Result<Option<CoordinateBreak>, LensFileError> {
+    if frames.iter().all(|frame| frame.along_axis().is_some()) {
+        return Ok(None);
+    }
+    let [first, ..] = frames else { return Ok(None) };
+    let at_first = CoordinateBreak::shifted([0.0, 0.0, -first.shift[2]]);
+    surfaces[0].general.coordinate_break = Some(at_first.then(first));
+    let mut sign = 1.0;
+    let mut image_break = None;
+    for (i, pair) in frames.windows(2).enumerate() {
+        sign = if surfaces[i].general.is_mirror { -sign } else { sign };
+        let step = pair[0].inverse().then(&pair[1]);
+        let arrival = step.inverse().turned(step.shift)[2];
+        if sign * arrival < -ROUNDED * step.shift.iter().fold(0.0, |sum: f64, part| sum.max(part.abs())) {
+            let part = own.get(i + 1).copied().unwrap_or(image);
+            let what = "has its z axis the wrong way for light that comes from the surface before it: z turns round at no mirror, \
+                        and behind an odd number of them light goes against it";
+            return Err(refused(part, &format!("{}", i + 2), what));
+        }
+        let along = step.shift[2];
+        thicknesses[i] = along;
+        let change = Some(CoordinateBreak::shifted([0.0, 0.0, -along]).then(&step));
+        match surfaces.get_mut(i + 1) {
+            Some(next) => next.general.coordinate_break = change,
+            None => image_break = change,
+        }
+    }
+    Ok(image_break)
 }
 
 /// Reads one surface of the lens.
 fn surface(
     part: Part<'_>,
     number: &str,
+    in_front: MediumBehind,
     glasses: &mut NamedGlasses<'_>,
 ) -> Result<SequentialSurface, LensFileError> {
     if let Some(kind) = part.string("type")?.filter(|kind| kind.contains("Paraxial")) {
         return Err(refused(part, number, format!("is an ideal lens ({}), which has no glass", cut(kind))));
     }
-    check_interaction(part, number)?;
-    let (curvature, asphere) = figure(part.need("geometry", "a geometry")?, number)?;
+    let is_mirror = is_mirror(part, number)?;
+    let geometry = part.need("geometry", "a geometry")?;
+    let unsymmetric = toroid(geometry, number)?;
+    let (curvature, asphere) = if unsymmetric.is_some() { (0.0, None) } else { figure(geometry, number)? };
     let (clip, apertures) = match part.get("aperture") {
         Some(aperture) => outline(aperture, number)?,
         None => (None, Vec::new()),
@@ -190,21 +233,25 @@ fn surface(
     Ok(SequentialSurface {
         curvature,
         asphere,
-        behind: medium(part, number, glasses)?,
+        behind: if is_mirror { in_front } else { medium(part, number, glasses)? },
         semi_diameter: clip,
         listed: None,
         clip,
         is_fixed: clip.is_some() || !apertures.is_empty(),
         apertures,
         is_stop: part.flag("is_stop")?,
-        general: Default::default(),
+        general: General { unsymmetric, is_mirror, coordinate_break: None },
         break_behind: None,
     })
 }
 
-/// Checks that a surface refracts, and neither reflects nor scatters. Older files state this beside the geometry, newer
+/// Returns whether a surface reflects, and checks that it does not scatter. Older files state this beside the geometry, newer
 /// ones in `interaction_model`.
-fn check_interaction(part: Part<'_>, number: &str) -> Result<(), LensFileError> {
+fn is_mirror(part: Part<'_>, number: &str) -> Result<bool, LensFileError> {
+    let mut is_mirror = match part.get("material_post") {
+        Some(material) => material.string("type")? == Some("Mirror"),
+        None => false,
+    };
     let model = part.get("interaction_model");
     if let Some(kind) = model.map_or(Ok(None), |model| model.string("type"))? {
         let plain = kind.replace('_', "").to_ascii_lowercase();
@@ -216,9 +263,7 @@ fn check_interaction(part: Part<'_>, number: &str) -> Result<(), LensFileError> 
         }
     }
     for own in [Some(part), model].into_iter().flatten() {
-        if own.flag("is_reflective")? {
-            return Err(refused(own, number, "is a mirror; only lenses that refract are traced"));
-        }
+        is_mirror |= own.flag("is_reflective")?;
         if let Some(scatter) = own.get("bsdf") {
             return Err(refused(scatter, number, "scatters light (bsdf), which is not traced; write null"));
         }
@@ -226,7 +271,7 @@ fn check_interaction(part: Part<'_>, number: &str) -> Result<(), LensFileError> 
             return Err(refused(coating, number, "has a coating, whose values are not read; write null"));
         }
     }
-    Ok(())
+    Ok(is_mirror)
 }
 
 /// Returns the curvature and the figure of a surface.
@@ -237,12 +282,14 @@ fn figure(part: Part<'_>, number: &str) -> Result<(f64, Option<Asphere>), LensFi
         "StandardGeometry" => 0,
         "EvenAsphere" => 2,
         "OddAsphere" => 1,
-        other @ ("BiconicGeometry" | "ToroidalGeometry") => {
-            return Err(refused(part, number, format!("is a cylinder or toroid ({other}); {REVOLUTION}")));
+        "BiconicGeometry" => {
+            let what = "is a biconic as the sum of two profiles (BiconicGeometry), which is not that of other programs and not \
+                        traced; fit it by a toroid";
+            return Err(refused(part, number, what));
         }
         other => {
             let what = format!(
-                "has the geometry {}; read are Plane, StandardGeometry, EvenAsphere and OddAsphere",
+                "has the geometry {}; read are Plane, StandardGeometry, EvenAsphere, OddAsphere and ToroidalGeometry",
                 cut(other)
             );
             return Err(refused(part, number, what));
@@ -256,6 +303,31 @@ fn figure(part: Part<'_>, number: &str) -> Result<(f64, Option<Asphere>), LensFi
         }
     }
     Ok((curvature, asphere(conic, terms)))
+}
+
+/// Returns the toroid of a geometry; `None` if the geometry is none.
+fn toroid(part: Part<'_>, number: &str) -> Result<Option<Unsymmetric>, LensFileError> {
+    if part.string("type")? != Some("ToroidalGeometry") {
+        return Ok(None);
+    }
+    let radius = |key: &str| -> Result<f64, LensFileError> {
+        let radius = part.number_or_infinity(key)?.unwrap_or(f64::INFINITY);
+        Ok(if radius == 0.0 { f64::INFINITY } else { radius })
+    };
+    let mut terms = [0.0; PROFILE_TERMS];
+    let stated = part.numbers("coeffs_poly_y")?;
+    for (i, value) in stated.into_iter().enumerate().filter(|(_, value)| *value != 0.0) {
+        let beyond =
+            || refused(part, number, "is a toroid with terms beyond the 14th power; 7 terms are traced");
+        *terms.get_mut(i).ok_or_else(beyond)? = value;
+    }
+    Ok(Some(Unsymmetric::Toroid(Toroid {
+        meridian: Meridian::Y,
+        radius: radius("radius_y")?,
+        conic: part.number("conic_yz")?.unwrap_or(0.0),
+        terms,
+        rotation_radius: radius("radius_x")?,
+    })))
 }
 
 /// Returns the semi-diameter of the circle around an aperture, and the aperture if it is not round.
@@ -346,7 +418,6 @@ fn medium(
                 _ => by_name(material, name, glasses),
             }
         }
-        "Mirror" => Err(refused(material, number, "is a mirror; only lenses that refract are traced")),
         other => {
             let what =
                 format!("has a material {}; read are IdealMaterial, AbbeMaterial and Material", cut(other));

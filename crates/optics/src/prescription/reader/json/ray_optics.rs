@@ -4,24 +4,26 @@
 //!
 //! Sizes are semi-diameters: `max_aperture` computed from rays, `clear_apertures` set by the user. The terms of a
 //! polynomial are in the list `coefs` or, in older files beside an empty list, in `coef2`, `coef4`, … A
-//! `RadialPolynomial` has `ec`, which is the conic constant plus 1.
+//! `RadialPolynomial` has `ec`, which is the conic constant plus 1. Tilts have the signs of Code V.
 
 use super::{
-    NamedGlasses, Part, REVOLUTION, by_name, by_numbers, check_image, fates::NoEffect, finished,
-    object_own_image, refused, title,
+    NamedGlasses, Part, by_name, by_numbers, check_image, fates::NoEffect, finished, object_own_image,
+    refused, title,
 };
 use crate::prescription::{
-    Aperture as Outline, Fate, LensFileError, Outline as Figure,
+    Aperture as Outline, CoordinateBreak, Fate, LensFileError, Outline as Figure, PROFILE_TERMS,
     glass::{GlassLibrary, VALID_WAVELENGTHS},
     interfaces::{Asphere, LAST_POWER, Medium, NO_TERMS, Prescription},
     reader::{
         ledger::Ledger,
         sequential::{
-            Aperture, Field, SequentialLens, SequentialSurface, SurfacePlaces, asphere, nanometres, set_term,
+            Aperture, Behind, Field, SequentialLens, SequentialSurface, SurfacePlaces, asphere,
+            decentre_and_tilts, nanometres, set_term,
         },
-        surface_rows::{MediumBehind, checked},
+        surface_rows::{General, MediumBehind, checked},
         text::Location,
     },
+    unsymmetric::{Meridian, Toroid, Unsymmetric},
 };
 use realistic_base::message::{as_given, cut};
 
@@ -141,13 +143,14 @@ pub(super) fn read(
     let front = checked(medium(gaps[0], &mut glasses)?, |reason| {
         ledger.warn(Fate::Replaced, gaps[0].node.location, "medium", Some("0"), reason);
     });
-    let mut surfaces = Vec::with_capacity(own.len());
+    let mut surfaces: Vec<SequentialSurface> = Vec::with_capacity(own.len());
     let mut thicknesses = Vec::with_capacity(own.len());
     let mut places = Vec::with_capacity(own.len());
     for (number, (&part, &gap)) in (1..).zip(own.iter().zip(&gaps[1..])) {
         let name = format!("{number}");
         let is_stop = stop == Some(f64::from(number));
-        let behind = medium(gap, &mut glasses)?;
+        let in_front = surfaces.last().map_or(front, |before| before.behind);
+        let behind = if is_mirror(part)? { in_front } else { medium(gap, &mut glasses)? };
         surfaces.push(surface(part, &name, model, behind, is_stop)?);
         thicknesses.push(gap.number("thi")?.unwrap_or(0.0));
         let location = |part: Option<Part<'_>>| part.map(|part| part.node.location);
@@ -171,7 +174,7 @@ pub(super) fn read(
         object_distance,
         surfaces,
         thicknesses,
-        image_break: None,
+        image_break: decentre(inner(image), "of the image", false)?[0],
         places,
         aperture: aperture(specification, in_air, ledger)?,
         field: field(specification, ledger)?,
@@ -238,22 +241,21 @@ fn surface(
     }
     let own = inner(part);
     match own.string("interact_mode")?.unwrap_or("transmit") {
-        "transmit" | "dummy" => {}
-        "reflect" => {
-            return Err(refused(part, number, "is a mirror; only lenses that refract are traced"));
-        }
+        "transmit" | "dummy" | "reflect" => {}
         other => {
-            let what = format!("has the interact_mode \"{}\"; read are transmit and dummy", cut(other));
+            let what =
+                format!("has the interact_mode \"{}\"; read are transmit, reflect and dummy", cut(other));
             return Err(refused(part, number, what));
         }
     }
-    if let Some(decenter) = own.get("decenter") {
-        return Err(refused(decenter, number, format!("has a tilt or decentring (decenter); {REVOLUTION}")));
-    }
+    let is_mirror = is_mirror(part)?;
+    let [coordinate_break, break_behind] = decentre(own, number, is_mirror)?;
     if let Some(phase) = own.get("phase_element") {
         return Err(refused(phase, number, "is a grating or hologram (phase_element), which is not traced"));
     }
-    let (curvature, asphere) = match profile(own, model)? {
+    let profile = profile(own, model)?;
+    let unsymmetric = profile.map_or(Ok(None), |profile| toroid(profile, number))?;
+    let (curvature, asphere) = match profile.filter(|_| unsymmetric.is_none()) {
         Some(profile) => figure(profile, number)?,
         None => (0.0, None),
     };
@@ -269,8 +271,8 @@ fn surface(
         is_fixed: clip.is_some() || !apertures.is_empty(),
         apertures,
         is_stop,
-        general: Default::default(),
-        break_behind: None,
+        general: General { unsymmetric, is_mirror, coordinate_break },
+        break_behind,
     })
 }
 
@@ -286,12 +288,9 @@ fn figure(part: Part<'_>, number: &str) -> Result<(f64, Option<Asphere>), LensFi
             let by_ellipse = own.number("ec")?.map(|ec| ec - 1.0);
             (by_ellipse.or(own.number("cc")?).unwrap_or(0.0), 1)
         }
-        "XToroid" | "YToroid" => {
-            return Err(refused(part, number, format!("is a cylinder or toroid ({kind}); {REVOLUTION}")));
-        }
         other => {
             let what = format!(
-                "has the profile {}; read are Spherical, Conic, EvenPolynomial and RadialPolynomial",
+                "has the profile {}; read are Spherical, Conic, EvenPolynomial, RadialPolynomial, XToroid and YToroid",
                 cut(other)
             );
             return Err(refused(part, number, what));
@@ -314,6 +313,70 @@ fn figure(part: Part<'_>, number: &str) -> Result<(f64, Option<Asphere>), LensFi
         }
     }
     Ok((curvature, asphere(conic, terms)))
+}
+
+/// Returns whether an interface reflects.
+fn is_mirror(part: Part<'_>) -> Result<bool, LensFileError> {
+    Ok(inner(part).string("interact_mode")? == Some("reflect"))
+}
+
+/// Returns the changes of frame in front of an interface and behind it.
+fn decentre(
+    own: Part<'_>,
+    number: &str,
+    is_mirror: bool,
+) -> Result<[Option<CoordinateBreak>; 2], LensFileError> {
+    let Some(part) = own.get("decenter") else { return Ok([None; 2]) };
+    let values = inner(part);
+    let vector = |key: &str| -> Result<[f64; 3], LensFileError> {
+        let all = array(values, key)?;
+        Ok(std::array::from_fn(|i| all.get(i).copied().unwrap_or(0.0)))
+    };
+    let (shift, tilts) = (vector("dec")?, vector("euler")?);
+    if vector("rot_pt")? != [0.0; 3] {
+        return Err(refused(
+            part,
+            number,
+            "has an offset of the axis of its tilts (rot_pt), which is not read",
+        ));
+    }
+    let key = if values.node.has("_dtype") { "_dtype" } else { "dtype" };
+    let behind = match values.string(key)?.unwrap_or("") {
+        "decenter" => Behind::Stay,
+        "dec and return" => Behind::Return,
+        "bend" => Behind::Bend,
+        other => {
+            let what = format!(
+                "has a decenter of the type \"{}\", whose order is not known for certain",
+                cut(other)
+            );
+            return Err(refused(part, number, what));
+        }
+    };
+    decentre_and_tilts(shift, tilts, behind, is_mirror).map_err(|what| refused(part, number, what))
+}
+
+/// Returns the toroid of a profile; `None` if the profile is none.
+fn toroid(part: Part<'_>, number: &str) -> Result<Option<Unsymmetric>, LensFileError> {
+    let [_, kind] = class(part);
+    let meridian = match kind {
+        "XToroid" => Meridian::X,
+        "YToroid" => Meridian::Y,
+        _ => return Ok(None),
+    };
+    let own = inner(part);
+    let number_of = |key: &str| -> Result<f64, LensFileError> { Ok(own.number(key)?.unwrap_or(0.0)) };
+    // 1/0 is infinite, as a plane's radius.
+    let [radius, rotation_radius] =
+        [number_of("cv")?, number_of("cR")?].map(|cv| cv.abs().recip().copysign(cv));
+    let conic = own.number("ec")?.map_or_else(|| number_of("cc"), |ec| Ok(ec - 1.0))?;
+    let mut terms = [0.0; PROFILE_TERMS];
+    for (i, value) in array(own, "coefs")?.into_iter().enumerate().filter(|(_, value)| *value != 0.0) {
+        let beyond =
+            || refused(part, number, "is a toroid with terms beyond the 14th power; 7 terms are traced");
+        *terms.get_mut(i).ok_or_else(beyond)? = value;
+    }
+    Ok(Some(Unsymmetric::Toroid(Toroid { meridian, radius, conic, terms, rotation_radius })))
 }
 
 /// Returns the numbers of a list, or of an array of NumPy.

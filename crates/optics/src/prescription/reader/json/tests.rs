@@ -4,8 +4,8 @@
 //! has the height 29/6 at the second surface and the slope -59/600 behind it; at the stop its height is 4.735.
 
 use crate::prescription::{
-    Coating, Fate, Medium, Outline, Prescription, Shape,
-    reader::checks::{ok, refused, replaced as with},
+    Coating, CoordinateBreak, Fate, Medium, Outline, Prescription, Shape, read,
+    reader::checks::{FILE, ok, refused, replaced as with},
 };
 
 const LHLT: &str = r#"{"FormatVersion": 1,
@@ -329,8 +329,11 @@ fn places_of_object_and_image_are_those_of_the_file() {
     // The last thickness states the film; without it the film lies at z = 0.
     let stated = with(GHOSTLIGHT, "\"is_stop\": true,", "\"is_stop\": true, \"thickness\": 39,");
     assert_eq!(ok(&stated).nominal_film_distance, Some(39.0));
-    let cylinder = ok(&with(LHLT, "Made up", "Plano-Convex Cylindrical Lens"));
-    assert!(cylinder.remarks[0].contains("the title calls the lens cylindrical"), "{:?}", cylinder.remarks);
+    for title in
+        ["Plano-Convex Cylindrical Lens", "Mounted Plano-Convex Cyl Lens", "NEGATIVE CYLINDER; 7.00MM DIA"]
+    {
+        refuses(LHLT, "Made up", title, "\"Title\"", "the title calls the lens cylindrical");
+    }
 }
 
 #[test]
@@ -392,16 +395,9 @@ fn what_is_not_traced_is_refused_by_name() {
         (
             RAY_OPTICS,
             "\"transmit\"",
-            "\"reflect\"",
-            "{\"__instance_type__\": [\"s\", \"Surface\"], \"attributes\": {\"interact_mode\": \"reflect\"",
-            "a mirror",
-        ),
-        (
-            RAY_OPTICS,
-            "\"transmit\"",
-            "\"transmit\", \"decenter\": {}",
+            "\"transmit\", \"decenter\": {\"_dtype\": \"reverse\"}",
             "\"decenter\"",
-            "a tilt or decentring",
+            "a decenter of the type \"reverse\"",
         ),
         (
             RAY_OPTICS,
@@ -413,9 +409,9 @@ fn what_is_not_traced_is_refused_by_name() {
         (
             RAY_OPTICS,
             "[\"p\", \"Spherical\"], \"attributes\": {\"cv\": 0.02",
-            "[\"p\", \"YToroid\"], \"attributes\": {\"cv\": 0.02",
+            "[\"p\", \"YToroid\"], \"attributes\": {\"coefs\": [0, 0, 0, 0, 0, 0, 0, 1], \"cv\": 0.02",
             "\"1\": {",
-            "a cylinder or toroid",
+            "a toroid with terms beyond the 14th power",
         ),
         (
             RAY_OPTICS,
@@ -425,7 +421,13 @@ fn what_is_not_traced_is_refused_by_name() {
             "no profile \"7\"",
         ),
         (RAY_OPTICS, "\"mm\"", "\"furlong\"", "\"_dimensions\"", "is not a unit"),
-        (OPTILAND, "\"z\": 5.0", "\"z\": 5.0, \"rx\": 0.1", "\"rx\"", "a tilt or decentring (cs.rx)"),
+        (
+            OPTILAND,
+            "\"z\": 5.0",
+            "\"z\": 5.0, \"rx\": 3.1",
+            "{\"type\": \"Surface\", \"geometry\": {\"type\": \"StandardGeometry\", \"cs\": {\"z\": 5.0",
+            "its z axis the wrong way",
+        ),
         (
             OPTILAND,
             "\"z\": 5.0",
@@ -433,7 +435,6 @@ fn what_is_not_traced_is_refused_by_name() {
             "\"reference_cs\"",
             "another coordinate system",
         ),
-        (OPTILAND, "\"coating\": null", "\"is_reflective\": true", "{\"type\": \"Surface\"", "a mirror"),
         (OPTILAND, "\"coating\": null", "\"bsdf\": {}", "\"bsdf\"", "scatters"),
         (
             OPTILAND,
@@ -447,7 +448,7 @@ fn what_is_not_traced_is_refused_by_name() {
             "\"StandardGeometry\"",
             "\"BiconicGeometry\"",
             "\"geometry\": {\"type\": \"Bi",
-            "a cylinder or toroid",
+            "the sum of two profiles",
         ),
         (
             OPTILAND,
@@ -466,7 +467,7 @@ fn what_is_not_traced_is_refused_by_name() {
             "a tilt or decentring",
         ),
         (DEEP_LENS, "\"fnum\": 5", "\"DOE\": {}", "\"DOE\"", "a diffractive element"),
-        (GHOSTLIGHT, "\"sphere\"", "\"cylindrical\"", "\"form\"", "surface 1.1 is a cylinder"),
+        (GHOSTLIGHT, "\"sphere\"", "\"cylindrical\"", "\"form\"", "surface 1.1 is a cylinder along \"\""),
         (GHOSTLIGHT, "\"mode\": \"absolute\", \"x\": 0", "\"x\": 1", "\"x\"", "off the axis"),
         (
             GHOSTLIGHT,
@@ -576,4 +577,68 @@ fn a_large_or_deep_file_is_refused_at_once() {
         findings(&ok(&with(LHLT, "\"Unheard\": 3", &format!("{members} \"k\": 0"))), Fate::LeftOut).len(),
         50_002
     );
+}
+
+#[test]
+fn cylinders_and_toroids_are_read() {
+    let first = |text: &str| match ok(text).interfaces[0].shape {
+        Shape::Unsymmetric(figure) => figure.radii(),
+        shape => panic!("{shape:?}"),
+    };
+    let toroid = "[\"p\", \"YToroid\"], \"attributes\": {\"cR\": 0.01, \"cv\": 0.02";
+    let of = |toroid: &str| with(RAY_OPTICS, "[\"p\", \"Spherical\"], \"attributes\": {\"cv\": 0.02", toroid);
+    assert_eq!(first(&of(toroid)), [100.0, 50.0]);
+    assert_eq!(first(&of(&toroid.replace("YToroid", "XToroid").replace("0.01", "0"))), [50.0, f64::INFINITY]);
+    let toroid =
+        "\"ToroidalGeometry\", \"radius_x\": 80.0, \"radius_y\": -40.0, \"coeffs_poly_y\": [0, 1e-6]";
+    assert_eq!(first(&with(OPTILAND, "\"StandardGeometry\"", toroid)), [80.0, -40.0]);
+    // Along y, a cylinder bends light in x.
+    let cylinder =
+        |axis: &str| with(GHOSTLIGHT, "\"sphere\"", &format!("\"cylindrical\", \"axis\": \"{axis}\""));
+    assert_eq!(first(&cylinder("y")), [50.0, f64::INFINITY]);
+    assert_eq!(first(&cylinder("x")), [f64::INFINITY, 50.0]);
+}
+
+#[test]
+fn tilts_and_mirrors_are_read() {
+    let tilt = |degrees: [f64; 3]| CoordinateBreak::tilted(degrees);
+    let decenter = "\"transmit\", \"decenter\": {\"_dtype\": \"dec and return\", \"dec\": {\"__ndarray__\": [1.0, 2.0, 0.0]}, \
+        \"euler\": [3.0, 0.0, 0.0]}";
+    let lens = ok(&with(RAY_OPTICS, "\"transmit\"", decenter));
+    let change = CoordinateBreak::shifted([1.0, 2.0, 0.0]).then(&tilt([-3.0, 0.0, 0.0]));
+    assert_eq!(lens.interfaces[1].coordinate_break, Some(change));
+    // Two mirrors, with a film that is tilted about x and then about y of fixed axes.
+    let surface = |kind: &str, place: &str, material: &str| {
+        format!(
+            "{{\"geometry\": {{\"type\": \"{kind}\", \"cs\": {{{place}}}, \"radius\": -200.0}}, \"aperture\": {{\"type\": \
+             \"RadialAperture\", \"r_max\": 9.0}}, \"material_post\": {{\"type\": \"{material}\", \"index\": 1.0}}}}"
+        )
+    };
+    let surfaces = |film: &str| {
+        let all = [
+            "{\"geometry\": {\"cs\": {\"z\": -Infinity}}}".to_owned(),
+            surface("StandardGeometry", "\"z\": 0, \"y\": 0", "Mirror"),
+            surface("Plane", "\"z\": -40.0, \"rx\": 0.1", "Mirror"),
+            surface("Plane", film, "IdealMaterial"),
+        ];
+        format!("{{\"surface_group\": {{\"surfaces\": [{}]}}}}", all.join(", "))
+    };
+    let lens = ok(&surfaces("\"z\": 20.0, \"y\": 3.0, \"rx\": 0.2, \"ry\": 0.3"));
+    let [first, second] = lens.interfaces.as_slice() else { panic!("{lens:?}") };
+    assert!(first.is_mirror && second.is_mirror && first.medium == Medium::Air);
+    let [a, b, c] = [0.1, 0.2, 0.3].map(f64::to_degrees);
+    let second_frame = CoordinateBreak::shifted([0.0, 0.0, -40.0]).then(&tilt([a, 0.0, 0.0]));
+    let film_frame =
+        CoordinateBreak::shifted([0.0, 3.0, 20.0]).then(&tilt([0.0, c, 0.0])).then(&tilt([b, 0.0, 0.0]));
+    let along = |z: f64| CoordinateBreak::shifted([0.0, 0.0, z]);
+    let to_second = along(first.thickness).then(&second.coordinate_break.expect("tilted"));
+    let to_film = lens.film_break.expect("tilted").then(&along(lens.nominal_film_distance.expect("a film")));
+    for (found, expected) in [(to_second, second_frame), (to_second.then(&to_film), film_frame)] {
+        let apart = found.then(&expected.inverse());
+        assert!(apart.shift.iter().all(|shift| shift.abs() < 1e-12), "{found:?} {expected:?}");
+        assert!((apart.rotation[0][0] - 1.0).abs() < 1e-12 && (apart.rotation[1][1] - 1.0).abs() < 1e-12);
+    }
+    let turned = surfaces("\"z\": -60.0, \"rx\": 0.2");
+    let error = read(FILE, turned.as_bytes()).expect_err("refused").to_string();
+    assert!(error.contains("surface 3 has its z axis the wrong way"), "{error}");
 }

@@ -37,7 +37,7 @@ impl Run {
     }
 
     /// Returns the distance to the next surface, and the change of frame in front of it.
-    fn to_surface(self) -> (f64, Option<CoordinateBreak>) {
+    fn into_surface(self) -> (f64, Option<CoordinateBreak>) {
         let change = self.change.then(&along(self.rest));
         match change.along_axis() {
             Some(length) => (self.lead + length, None),
@@ -47,7 +47,7 @@ impl Run {
 
     /// Returns the distance to the film, which is the sum of the thicknesses, and the change of frame in front of that
     /// distance. The film moves along its own normal.
-    fn to_film(self) -> (f64, Option<CoordinateBreak>) {
+    fn into_film(self) -> (f64, Option<CoordinateBreak>) {
         match self.change.along_axis() {
             Some(length) => (self.lead + length, None),
             None => {
@@ -93,7 +93,7 @@ impl Frames {
         for (i, (surface, thickness)) in surfaces.iter().zip(thicknesses).enumerate() {
             run.add(surface.general.coordinate_break);
             if effective.get(breaks.len()) == Some(&i) {
-                let (distance, change) = std::mem::replace(&mut run, Run::EMPTY).to_surface();
+                let (distance, change) = std::mem::replace(&mut run, Run::EMPTY).into_surface();
                 distances.push(distance);
                 breaks.push(change);
             }
@@ -101,7 +101,7 @@ impl Frames {
             run.add_thickness(*thickness);
         }
         run.add(image);
-        let (distance, film_break) = run.to_film();
+        let (distance, film_break) = run.into_film();
         distances.push(distance);
         let front = distances.remove(0);
         Self { front, gaps: distances, breaks, film_break }
@@ -113,4 +113,44 @@ impl Frames {
         let all = |own: &Self| own.breaks.iter().copied().chain([own.film_break]).collect::<Vec<_>>();
         all(self).into_iter().zip(all(other)).position(|(own, other)| own != other)
     }
+}
+
+/// What becomes of a decentre and tilts behind their surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in super::super) enum Behind {
+    /// They stay for the surfaces that follow.
+    Stay,
+    /// They are undone.
+    Return,
+    /// The tilts are repeated, so that the axis follows the light that a mirror reflects.
+    Bend,
+}
+
+/// Returns the changes of frame in front of a surface and behind it, in the sense of Code V and RayOptics: a decentre, mm,
+/// then tilts about x, y and z, degrees, of which those about x and y are positive in the left-handed sense.
+///
+/// # Errors
+/// The bend is not known for certain; the text says so.
+pub(in super::super) fn decentre_and_tilts(
+    decentre: [f64; 3],
+    [a, b, c]: [f64; 3],
+    behind: Behind,
+    is_mirror: bool,
+) -> Result<[Option<CoordinateBreak>; 2], &'static str> {
+    if [decentre, [a, b, c]] == [[0.0; 3]; 2] {
+        return Ok([None; 2]);
+    }
+    let tilt = CoordinateBreak::tilted([-a, -b, c]);
+    let change = CoordinateBreak::shifted(decentre).then(&tilt);
+    let back = match behind {
+        Behind::Stay => None,
+        Behind::Return => Some(change.inverse()),
+        Behind::Bend if !is_mirror || c != 0.0 || a != 0.0 && b != 0.0 => {
+            return Err(
+                "has a bend that is not one tilt, about x or y, of a mirror; write it as tilts before and behind the mirror",
+            );
+        }
+        Behind::Bend => Some(tilt),
+    };
+    Ok([Some(change), back])
 }

@@ -19,7 +19,7 @@ use crate::prescription::{
     positions::{Position, Positions},
     unsymmetric::{Meridian, PROFILE_TERMS, Unsymmetric},
 };
-pub(super) use frames::Frames;
+pub(super) use frames::{Behind, Frames, decentre_and_tilts};
 pub(super) use lens::{SequentialLens, SurfacePlaces};
 pub(super) use paraxial::{Aperture, Field, FieldKind, Paraxial};
 use realistic_base::message::{as_given, short};
