@@ -52,7 +52,7 @@ fn camera(text: &str, more: &[(&str, &str)]) -> Camera {
 
 /// Integrates ∫ cos²θ dA/d² over the rays from a film point that pass, over a square about the rear vertex.
 fn irradiance(camera: &Camera, point: [f64; 2]) -> f64 {
-    const N: u32 = 500;
+    const N: u32 = 300;
     let facts = camera.facts().expect("a lens");
     let (lens, film) = (&facts.lens, facts.film_z());
     let path = Path::<f64>::film_to_scene(lens).with_apertures(lens);
@@ -74,7 +74,7 @@ fn irradiance(camera: &Camera, point: [f64; 2]) -> f64 {
 
 /// Returns the mean weight of a film point, and the share of its samples that pass.
 fn mean_weight(camera: &Camera, image: [f64; 2]) -> [f64; 2] {
-    const N: u32 = 250;
+    const N: u32 = 150;
     let (mut random, mut sum, mut passed) = (Random::new(3), 0.0, 0);
     for (i, j) in (0..N).flat_map(|i| (0..N).map(move |j| (i, j))) {
         let lens = [i, j].map(|k| ((f64::from(k) + random.next()) / f64::from(N)) as f32);
