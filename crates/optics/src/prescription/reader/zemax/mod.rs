@@ -101,6 +101,7 @@ pub(super) fn read(
     for block in own {
         stated.push(thickness(text, block, false)?);
     }
+    check_mirrors(text, own, &surfaces, &stated[1..])?;
     let mut thicknesses = Vec::with_capacity(configurations.count);
     for column in 0..configurations.count {
         let of = |(surface, own): (usize, &f64)| {
@@ -249,6 +250,30 @@ pub(super) fn read(
     }
     statements::record_fates(&blocks, own, ledger);
     Ok(lens)
+}
+
+/// Checks that light goes back behind mirrors that are written by their index, which also stands for other things.
+///
+/// # Errors
+/// The thickness behind such a mirror leads on along the light.
+fn check_mirrors(
+    text: &Text<'_>,
+    own: &[Block<'_>],
+    surfaces: &[SequentialSurface],
+    thicknesses: &[f64],
+) -> Result<(), LensFileError> {
+    for (i, (block, surface)) in own.iter().zip(surfaces).enumerate() {
+        let is_by_index = surface.general.is_mirror && !surface::is_called_mirror(block);
+        if is_by_index && light_sign(&surfaces[..=i]) * thicknesses[i] < 0.0 {
+            let message = format!(
+                "surface {} is a mirror, written by its index -1, and the thickness behind it is against the light: behind \
+                 an odd number of mirrors thicknesses are 0 or less",
+                block.number
+            );
+            return Err(text.error(block.location, message));
+        }
+    }
+    Ok(())
 }
 
 /// Checks that the configurations have the same changes of frame.

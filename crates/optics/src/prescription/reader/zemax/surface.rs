@@ -49,7 +49,7 @@ pub(super) fn read(
         None if kind == "TILTSURF" => (0.0, asphere(0.0, terms(text, block, 0.0, ledger)?)),
         None => (curvature, asphere(conic, terms(text, block, curvature, ledger)?)),
     };
-    let is_mirror = block.find("GLAS").is_some_and(is_mirror);
+    let is_mirror = is_called_mirror(block) || block.find("GLAS").is_some_and(is_of_index_of_mirrors);
     let behind = match block.find("GLAS") {
         _ if is_mirror => in_front,
         Some(record) => glass(text, block, record, glasses)?,
@@ -94,11 +94,14 @@ pub(super) fn read(
     })
 }
 
-/// Returns whether `GLAS` makes the surface a mirror: by `MIRROR`, or by a model glass of the index -1.
-fn is_mirror(record: &Record<'_>) -> bool {
-    let is_model = record.number_if_any(1) == Some(1.0);
-    record.word(0).is_some_and(|name| name.is("MIRROR"))
-        || is_model && record.number_if_any(3) == Some(MIRROR_INDEX)
+/// Returns whether `GLAS MIRROR` makes a surface a mirror.
+pub(super) fn is_called_mirror(block: &Block<'_>) -> bool {
+    block.find("GLAS").and_then(|record| record.word(0)).is_some_and(|name| name.is("MIRROR"))
+}
+
+/// Returns whether `GLAS` is a model glass of the index -1.
+fn is_of_index_of_mirrors(record: &Record<'_>) -> bool {
+    record.number_if_any(1) == Some(1.0) && record.number_if_any(3) == Some(MIRROR_INDEX)
 }
 
 /// Returns the surface of a coordinate break, which only changes the frame.

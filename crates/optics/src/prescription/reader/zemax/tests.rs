@@ -237,7 +237,7 @@ fn unsupported_surfaces_are_refused_by_name_with_their_line() {
     refused(
         &with("N-BK7 0 0 1.5", "___BLANK 1 0 -1"),
         "21:1",
-        &["thickness 4 mm: behind an odd number of mirrors"],
+        &["surface 2 is a mirror, written by its index -1, and the thickness"],
     );
     refused(
         &with("  STOP", "  SCBD 0 0 0 0 0 5 0 0"),
