@@ -35,7 +35,7 @@ fn lenses() -> Vec<(&'static str, String, f64)> {
         (
             "tilted",
             with(
-                "break 1 tilt_x=4 tilt_y=-3\nbreak 3 z=-10 tilt_x=-4 tilt_y=3 z=10\nbreak film tilt_x=3 x=0.5\n",
+                "break 1 tilt_x=4 tilt_y=-3\nbreak 3 first=tilt tilt_x=-4 tilt_y=3\nbreak film tilt_x=3 x=0.5\n",
             ),
             0.9,
         ),

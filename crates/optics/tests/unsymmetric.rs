@@ -144,6 +144,15 @@ fn a_toroid_and_a_biconic_with_equal_radii_are_spheres() {
 }
 
 #[test]
+fn a_hollow_cylinder_is_met_from_any_distance() {
+    let lens = lens("-50 3 1.5 20\n80 40 1 20\ntoroid 1 profile=x\n");
+    let near = to_film(&lens, [4.0, 1.0, 10.0], [0.01, 0.0, -1.0]);
+    let far = to_film(&lens, [4.0 - 29.9, 1.0, 3000.0], [0.01, 0.0, -1.0]);
+    assert_eq!((near.blocked, far.blocked), (None, None));
+    assert!(close(near.ray.origin, far.ray.origin, 1e-12));
+}
+
+#[test]
 fn rays_that_no_surface_meets_are_reported() {
     let cylinder = lens("10 6 1.6 20\n-70 50 1 40\ntoroid 1 profile=x\n");
     assert_eq!(to_film(&cylinder, [11.0, 0.0, 9.0], [0.0, 0.0, -1.0]).blocked, Some(Blocked::Missed));

@@ -104,7 +104,11 @@ impl<R: Real> UnsymmetricSheet<R> {
         let start = [p[0] + to_plane * v[0], p[1] + to_plane * v[1], R::ZERO];
         let last = -(lead + to_plane) - slack;
         let t = match &self.cylinder {
-            Some(cylinder) => cylinder.crossing(start, v, last)?,
+            // In front of its aperture the other half of a cylinder is not part of the surface.
+            Some(cylinder) => {
+                let lowest = R::from_f64(self.inside.extent[0]) / v[2];
+                cylinder.crossing(start, v, if last > lowest { last } else { lowest })?
+            }
             None => self.first_crossing(start, v, last)?,
         };
         *state = State { p: std::array::from_fn(|i| start[i] + t * v[i]), v, lead: R::ZERO };
