@@ -16,8 +16,22 @@ fn lenses() -> Vec<Prescription> {
 #[test]
 fn every_example_is_a_lens() {
     let lenses = lenses();
-    let [double_gauss, two, eye, doublet, flint, silica, singlet, iris, coated, window, zoom] =
-        lenses.as_slice()
+    let [
+        double_gauss,
+        two,
+        eye,
+        doublet,
+        flint,
+        silica,
+        singlet,
+        squeeze,
+        telescope,
+        fold,
+        iris,
+        coated,
+        window,
+        zoom,
+    ] = lenses.as_slice()
     else {
         panic!("{}", lenses.len())
     };
@@ -33,6 +47,11 @@ fn every_example_is_a_lens() {
     assert!((absorbs.coefficient(400.0) * 25.0 + 0.61_f64.ln()).abs() < 1e-3);
     assert_eq!(silica.wavelength, Some(248.0));
     assert!(matches!(singlet.interfaces[1].shape, Shape::Asphere(asphere) if asphere.conic == -2.25));
+    assert!(!squeeze.is_centred() && squeeze.film_break.is_none());
+    let mirrors =
+        |lens: &Prescription| lens.interfaces.iter().filter(|interface| interface.is_mirror).count();
+    assert_eq!((mirrors(telescope), telescope.is_centred()), (2, true));
+    assert_eq!((mirrors(fold), fold.film_break.is_some(), fold.nominal_film_distance), (1, true, Some(19.0)));
     assert_eq!(iris.blades(), Some(Blades { count: 7, rotation: 12.0, curvature: 0.25 }));
     let quarter = SurfaceCoating::Named { coating: Coating::QuarterWave, wavelength: 520.0 };
     assert_eq!(coated.coatings, Some(vec![quarter.clone(), quarter.clone(), quarter, Coating::Bare.into()]));

@@ -32,7 +32,8 @@ impl Rays {
     /// Prepares a lens with film at `film` (z in image space).
     pub fn new(lens: &Lens, film: f64) -> Self {
         let side = if lens.is_centred() { -1.0 } else { 1.0 };
-        let (path, field) = (Path::film_to_scene(lens), Field::new(lens, film));
+        let path = Path::film_to_scene(lens).with_apertures(lens);
+        let field = Field::new(lens, film);
         Self { lens: lens.clone(), path, field, film, side }
     }
 
