@@ -90,10 +90,8 @@ impl<L: Lanes<Scalar = f32>> LaneLight<L> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn enter_frame(&mut self, cpu: Cpu<L>, rotation: &[[f32; 3]; 3]) {
         let old = self.across;
-        for i in 0..3 {
-            let [a, b, c] = rotation[i];
-            let row = [L::splat(cpu, a), L::splat(cpu, b), L::splat(cpu, c)];
-            self.across[i] = dot(row, old);
+        for (across, &[a, b, c]) in self.across.iter_mut().zip(rotation) {
+            *across = dot([L::splat(cpu, a), L::splat(cpu, b), L::splat(cpu, c)], old);
         }
     }
 

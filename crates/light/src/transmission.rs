@@ -270,10 +270,8 @@ impl<S: KernelScalar, C: Carried<S>> Carried<S> for Transmission<C> {
         rotation: &[[S; 3]; 3],
     ) {
         let mut single = [[0.0_f32; 3]; 3];
-        for i in 0..3 {
-            for j in 0..3 {
-                single[i][j] = rotation[i][j].to_f64() as f32;
-            }
+        for (own, number) in single.as_flattened_mut().iter_mut().zip(rotation.as_flattened()) {
+            *own = number.to_f64() as f32;
         }
         state.light.enter_frame(L::single_cpu(cpu), &single);
     }

@@ -48,7 +48,7 @@ const CASSEGRAIN: &str = "-300 -100 1 100\n-142.857142857142857 120 1 40\nmirror
 fn a_cassegrain_images_the_axis_and_traces_back() {
     let telescope = lens(CASSEGRAIN);
     // The secondary, 50 in front of the primary's focus, images it at s' with 1/s' = 1/50 - 2/R: magnification s'/50.
-    let back = (1.0 / 50.0 - 2.0 / 142.857142857142857_f64).recip();
+    let back = (1.0 / 50.0 - 2.0 / (1000.0_f64 / 7.0)).recip();
     let film = telescope.rear().vertex - back;
     let [to_film, to_scene] =
         [Path::<f64>::scene_to_film(&telescope), Path::<f64>::film_to_scene(&telescope)];
@@ -167,7 +167,7 @@ fn rays_that_no_surface_meets_are_reported() {
 fn mirrors_and_folds_have_the_first_order_optics_of_the_unfolded_lens() {
     let first_order = |text: &str| FirstOrder::of(&lens(text)).expect("not afocal");
     // f = f_primary times the magnification of the secondary.
-    let back = (1.0 / 50.0 - 2.0 / 142.857142857142857_f64).recip();
+    let back = (1.0 / 50.0 - 2.0 / (1000.0_f64 / 7.0)).recip();
     let telescope = first_order(CASSEGRAIN);
     assert!((telescope.focal_length - 150.0 * back / 50.0).abs() < 1e-10, "{telescope:?}");
     assert!((telescope.back_focal_distance() - back).abs() < 1e-10);

@@ -60,6 +60,7 @@ macro_rules! operators {
         impl<N: Arithmetic> $trait for $type<N> {
             type Output = Self;
             #[cfg_attr(not(debug_assertions), inline(always))]
+            #[allow(clippy::suspicious_arithmetic_impl, reason = "derivatives of a product have sums")]
             fn $method(self, other: Self) -> Self {
                 let ($a, $b) = (self, other);
                 $result
@@ -265,6 +266,7 @@ impl Mul for Interval {
 
 impl Div for Interval {
     type Output = Self;
+    #[allow(clippy::suspicious_arithmetic_impl, reason = "a quotient is the product with the reciprocal")]
     fn div(self, other: Self) -> Self {
         self * other.dividing(1.0)
     }
