@@ -685,6 +685,15 @@ typedef struct realistic_lens_info {
     double front_nodal_point_mm;
     // z of the film-side nodal point.
     double rear_nodal_point_mm;
+    // Effective focal length in the meridian x, mm; the lengths above are those in the meridian y. The two differ for
+    // lenses with cylinders, toroids, biconics or tilted surfaces.
+    double focal_length_x_mm;
+    // Distance from the last vertex to the film-side focal point in the meridian x, mm; NaN for an afocal lens.
+    double back_focal_distance_x_mm;
+    // 1 if all surfaces are symmetric about one axis, otherwise 0.
+    uint32_t is_centred;
+    // Number of mirrors among the surfaces.
+    uint32_t mirrors;
 } realistic_lens_info;
 
 // One surface of a lens. `realistic_lens_get_surface` fills this structure.
@@ -716,6 +725,14 @@ typedef struct realistic_lens_surface {
     double conic;
     // Coefficients A2, A3, … A30 of the asphere; Ai is in mm^(1 - i).
     double aspheric[29];
+    // Vertex radius in the meridian x, mm. It differs from `radius_mm`, which is that in y, for a cylinder, a toroid or a
+    // biconic; their other numbers are not given.
+    double radius_x_mm;
+    // 1 if the surface reflects, otherwise 0.
+    uint32_t is_mirror;
+    // 1 if the surface does not share the axis of the surface before it, or for the first that of the camera,
+    // otherwise 0. `vertex_mm` then counts thicknesses alone.
+    uint32_t is_turned;
 } realistic_lens_surface;
 
 // The film that has a given plane in focus. `realistic_lens_plane_of_focus` fills this structure.

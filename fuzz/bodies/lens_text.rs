@@ -1,6 +1,6 @@
 //! Any bytes give either a lens that can be traced, or an error with its position in the bytes.
 
-use realistic_optics::prescription::{GlassLibrary, Medium, Shape, read};
+use realistic_optics::prescription::{GlassLibrary, Shape, read};
 use realistic_optics::trace::{Path, Ray};
 use realistic_optics::{
     imaging::focus::Focus,
@@ -29,14 +29,19 @@ pub fn run(data: &[u8]) -> bool {
         }
     };
     assert!(!prescription.interfaces.is_empty());
-    // Distance from one refracting surface to the next; planes that only limit rays may lie anywhere in between.
-    let (mut distance, mut in_front) = (f64::INFINITY, Medium::Air);
+    // Distance along the light from one surface that bends rays to the next; planes that only limit rays may lie anywhere
+    // in between, and a change of frame may lead anywhere.
+    let (mut distance, mut in_front, mut sign) = (f64::INFINITY, prescription.object_medium, 1.0);
     for interface in &prescription.interfaces {
-        if interface.shape != Shape::Plane || interface.medium != in_front {
+        if interface.coordinate_break.is_some() {
+            distance = f64::INFINITY;
+        }
+        if interface.shape != Shape::Plane || interface.medium != in_front || interface.is_mirror {
             assert!(distance >= 0.0, "{:?}", prescription.interfaces);
             distance = 0.0;
         }
-        distance += interface.thickness;
+        sign = if interface.is_mirror { -sign } else { sign };
+        distance += sign * interface.thickness;
         in_front = interface.medium;
         assert!(interface.thickness.is_finite());
         assert!(interface.semi_diameter > 0.0 && interface.semi_diameter.is_finite());

@@ -26,7 +26,7 @@ fn lenses() -> Vec<(&'static str, String, f64)> {
                       toroid 1 profile=x\ntoroid 3 profile=x\n";
     let cassegrain = "-300 -100 1 100\n-142.857142857142857 150 1 40\nmirror 1\nmirror 2\nasphere 1 conic=-1\n\
                       asphere 2 conic=-3.4489795918367347\nobstruction 1 circle 15\n";
-    let fold = "60 6 1.6 24\n-90 4 1 24\nstop 20 1 12\ninf -50 1 60\nmirror 4\nbreak 4 tilt_x=45\nbreak film tilt_x=45\n";
+    let fold = "60 6 1.6 24\n-90 4 1 24\nstop 20 1 12\ninf -50 1 26\nmirror 4\nbreak 4 tilt_x=45\nbreak film tilt_x=45\n";
     vec![
         ("cylinders", anamorphic.to_owned(), 0.95),
         ("toroid", with("toroid 1 rotation=45 conic=-0.5 A4=1e-6\n"), 0.95),

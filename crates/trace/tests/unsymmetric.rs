@@ -150,3 +150,35 @@ fn the_kernel_agrees_with_the_walk_on_random_lenses_that_are_not_round() {
     println!("{passed} rays through {lenses} lenses");
     assert!(passed > 45_000, "{passed}");
 }
+
+#[test]
+fn lenses_that_begin_and_end_with_mirrors_agree_with_the_walk() {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(7);
+    for text in [
+        // A paraboloid and a hyperboloid, two spheres, and a single tilted sphere.
+        "-300 -100 1 100\n-142.8 150 1 40\nmirror 1\nmirror 2\nasphere 1 conic=-1\nasphere 2 conic=-3.4\n",
+        "-300 -100 1 100\n-142.8 150 1 40\nmirror 1\nmirror 2\n",
+        "-300 -100 1 60\nmirror 1\nbreak 1 tilt_x=10\nbreak film tilt_x=10\n",
+    ] {
+        let lens = Lens::at_d_line(&read("mirrors", text.as_bytes()).expect("a lens"));
+        let to_film: Vec<Ray> = (0..400)
+            .map(|_| {
+                let [x, y] = [0, 1].map(|_| random.random_range(-25.0..25.0));
+                let [a, b] = [0, 1].map(|_| random.random_range(-0.01..0.01));
+                Ray { origin: [x, y, 150.0], direction: [a, b, -1.0] }
+            })
+            .collect();
+        let path = Path::<f64>::scene_to_film(&lens);
+        // Rays that arrive are turned back, from a point behind the last surface.
+        let to_scene: Vec<Ray> = (to_film.iter())
+            .filter_map(|ray| {
+                let Ray { origin, direction } = path.trace(*ray).ok()?;
+                let origin = [0, 1, 2].map(|axis| origin[axis] + 20.0 * direction[axis]);
+                Some(Ray { origin, direction: direction.map(|part| -part) })
+            })
+            .collect();
+        assert!(compare::<f64>(&lens, Direction::SceneToFilm, &to_film, 1e-12) > 500, "{text}");
+        assert!(compare::<f64>(&lens, Direction::FilmToScene, &to_scene, 1e-12) > 500, "{text}");
+        compare::<f32>(&lens, Direction::FilmToScene, &to_scene, 3e-5);
+    }
+}

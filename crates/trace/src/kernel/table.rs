@@ -282,7 +282,12 @@ impl<S: Scalar> Table<S> {
             last = None;
         }
         let (factor, offset) = match last {
-            Some((surface, true)) => (-travel_sign / surface.c, path.exit() + travel_sign / surface.c),
+            Some((surface, true)) => {
+                let c = surface.c_behind();
+                (-travel_sign / c, path.exit() + travel_sign / c)
+            }
+            // Rays carry z in front of a mirror, where it has the other sign.
+            Some((surface, false)) if surface.is_mirror => (-travel_sign, path.exit()),
             _ => (travel_sign, path.exit()),
         };
         Self {
