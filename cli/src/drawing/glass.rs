@@ -3,10 +3,18 @@
 use realistic_optics::lens::{Lens, Surface};
 use realistic_optics::prescription::CoordinateBreak;
 
-/// Returns a point of a surface in lens space, as (z, y). `frame` is that of the surface, and `sagitta` is positive toward
-/// the scene.
-fn placed(frame: &CoordinateBreak, y: f64, sagitta: f64) -> [f64; 2] {
-    let [_, y, z] = frame.point([0.0, y, -sagitta]);
+/// Returns a point of a surface in the plane x = 0, at a height above the axis of the surface, as (z, y) in lens space.
+/// `frame` is that of the surface. The sagitta is that at the height `at`.
+fn placed(surface: &Surface, frame: &CoordinateBreak, height: f64, at: f64) -> [f64; 2] {
+    // The direction on the surface that lies in the plane.
+    let [across, up, _] = frame.rotation[0];
+    let length = across.hypot(up);
+    let [x, y] = if length > 1e-9 { [-up / length, across / length] } else { [0.0, 1.0] };
+    let sagitta = match &surface.unsymmetric {
+        Some(figure) => -figure.sagitta([x * at, y * at]),
+        None => surface.sagitta(at.abs()),
+    };
+    let [_, y, z] = frame.point([x * height, y * height, -sagitta]);
     [-z, y]
 }
 
@@ -23,15 +31,16 @@ fn arc(surface: &Surface, frame: &CoordinateBreak) -> Vec<[f64; 2]> {
             // Steps are even in angle, so that the edge of a hemisphere is as smooth as its middle.
             let y =
                 surface.semi_diameter * (f64::from(i) / f64::from(HALF) * std::f64::consts::FRAC_PI_2).sin();
-            placed(frame, y, surface.sagitta(y))
+            placed(surface, frame, y, y)
         })
         .collect()
 }
 
 /// Returns the two ends of the bars of the stop, from the aperture to `outer` mm from the axis.
 pub fn stop_bars(lens: &Lens, stop: usize, outer: f64) -> [[[f64; 2]; 2]; 2] {
-    let (frame, radius) = (lens.frames()[stop], lens.surfaces[stop].semi_diameter);
-    [-1.0, 1.0].map(|side| [placed(&frame, side * radius, 0.0), placed(&frame, side * outer, 0.0)])
+    let (frame, surface) = (lens.frames()[stop], &lens.surfaces[stop]);
+    let end = |height: f64| placed(surface, &frame, height, 0.0);
+    [-1.0, 1.0].map(|side| [end(side * surface.semi_diameter), end(side * outer)])
 }
 
 /// Returns the ends of the film, whose half height is `half`, at z = `film` in image space, as (z, y).
@@ -51,7 +60,7 @@ pub fn elements(lens: &Lens) -> Vec<Vec<[f64; 2]>> {
         .map(|(pair, frames)| {
             let radius = pair[0].semi_diameter.max(pair[1].semi_diameter);
             let mut outline = arc(&pair[0], &frames[0]);
-            let edge_point = |i: usize, y: f64| placed(&frames[i], y, pair[i].sagitta(pair[i].semi_diameter));
+            let edge_point = |i: usize, y: f64| placed(&pair[i], &frames[i], y, pair[i].semi_diameter);
             outline.extend([edge_point(0, radius), edge_point(1, radius)]);
             outline.extend(arc(&pair[1], &frames[1]).into_iter().rev());
             outline.extend([edge_point(1, -radius), edge_point(0, -radius)]);
