@@ -208,11 +208,17 @@ fn apertures_that_are_not_read_are_refused_by_name() {
         ("UDAP 0", "an aperture of the user's own"),
         ("USAP 0", "an aperture whose outline is in another file (USAP 0)"),
         ("OBDC 0 2", "a decentring without an aperture (OBDC 0 2)"),
-        ("SCBD 0 0 0 0 0 5 0 0", "a tilt or decentring (SCBD 0 0 0 0 0 5 0 0)"),
-        ("SCBD 1 0 0 1 0 0 0 0", "a tilt or decentring"),
     ] {
         refused(&rear(line), &["surface 2 has", what, "which is not traced"]);
     }
+    refused(
+        &rear("SCBD 0 0 0 0 0 5 0 0"),
+        &[
+            "surface 2 has a tilt or decentring (SCBD 0 0 0 0 0 5 0 0) on a side that is neither 1, before it, nor 2",
+        ],
+    );
+    let moved = lens(&rear("SCBD 1 0 0 1 0 0 0 0")).interfaces[1].coordinate_break;
+    assert_eq!(moved.map(|change| change.shift), Some([1.0, 0.0, 0.0]));
     // Statements without an effect are accepted.
     for line in ["OBSC 0 0 0", "CLAP 0 6 0\n  OBDC 0 0", "SCBD 1 0 0 0 0 0 0 0"] {
         assert!(lens(&rear(line)).remarks.is_empty(), "{line}");
