@@ -124,7 +124,9 @@ def ray_optics(file: Path) -> Found:
     model = open_model(str(file))
     if model is None:
         raise ValueError("RayOptics returns no model")
-    unit = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "inches": 25.4}[str(model["system_spec"].dimensions).lower()]
+    unit = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "inches": 25.4}[
+        str(model["system_spec"].dimensions).lower()
+    ]
     sequence = model["seq_model"]
     optics = model["analysis_results"]["parax_data"].fod
     wavelength = float(sequence.central_wavelength())
