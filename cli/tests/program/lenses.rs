@@ -94,7 +94,7 @@ fn the_page_has_a_drawing_of_each_lens() {
     let out = folder.path().join("made/sheet.html");
     let output = run(caches.path(), None, &["lenses", "--sheet", out.to_str().unwrap()]);
     assert_eq!(printed(&output), format!("{}\n", out.display()));
-    assert_eq!(fs::read_to_string(&out).unwrap().matches("<svg").count(), 24, "the catalogue");
+    assert_eq!(fs::read_to_string(&out).unwrap().matches("<svg").count(), 27, "the catalogue");
     let wrong = run(caches.path(), None, &["lenses", "--sheet", "a.png"]);
     assert_eq!(wrong.status.code(), Some(2));
 }
