@@ -154,7 +154,7 @@ impl<S: Scalar> LaneAsphere<S> {
                 lead: lead[0],
                 crossing: &mut crossing,
             };
-            L::far_apart(cpu, work);
+            L::apart(cpu, work);
             rays[0] = alone[0];
             [crossing.expect("the work sets it"); U]
         }
