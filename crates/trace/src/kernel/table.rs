@@ -146,7 +146,7 @@ pub enum Step<S> {
 }
 
 impl<S> Step<S> {
-    /// Whether rays are reflected at this step, which is none of [`GeneralStep`].
+    /// Whether rays are reflected at this step, which is none of `GeneralStep`.
     pub fn reflects(&self) -> bool {
         match self {
             Self::Mirror(_) => true,
