@@ -65,6 +65,7 @@ impl Map {
         let mut file = Cursor::new(Vec::new());
         Image::from_encoded_channels((width, height), Encoding::FAST_LOSSLESS, channels)
             .write()
+            .non_parallel()
             .to_buffered(&mut file)?;
         Ok(file.into_inner())
     }

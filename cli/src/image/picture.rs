@@ -163,7 +163,9 @@ impl Picture {
         let channels =
             SpecificChannels::rgb(|Vec2(x, y)| <(f32, f32, f32)>::from(self.pixels[y * width + x]));
         let mut file = Cursor::new(Vec::new());
-        Image::from_channels((width, height), channels).write().to_buffered(&mut file)?;
+        // One thread: several write the file's blocks in the order in which they come to be compressed, so that equal
+        // pictures would not be equal bytes.
+        Image::from_channels((width, height), channels).write().non_parallel().to_buffered(&mut file)?;
         Ok(file.into_inner())
     }
 

@@ -151,7 +151,7 @@ fn exr(picture: &Picture, origin: &Origin) -> exr::error::Result<Vec<u8>> {
     let [width, height] = origin.whole.map(|side| side as usize);
     image.attributes.display_window = IntegerBounds::new((0, 0), (width, height));
     let mut file = Cursor::new(Vec::new());
-    image.write().to_buffered(&mut file)?;
+    image.write().non_parallel().to_buffered(&mut file)?;
     Ok(file.into_inner())
 }
 
