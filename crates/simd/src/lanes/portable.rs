@@ -25,12 +25,11 @@ impl<S: Scalar, const N: usize, const SMALL: bool> Portable<S, N, SMALL> {
 /// Does the same work for each lane. The macro expands to a loop rather than to calls of a closure: a closure that is
 /// not inlined would be compiled without the instructions that its enclosing function may use.
 ///
-/// Small code with one lane has no loop: a lens would give thousands of loops of one iteration, and the compiler would
-/// take seconds to remove them from a function. Other code keeps the loops: without them the compiler combines pairs of
-/// numbers into vectors, which makes a single ray a fifth slower.
+/// With one lane there is no loop: a lens would give thousands of loops of one iteration, of which the compiler takes
+/// minutes to get rid.
 macro_rules! each_lane {
     ($i:ident => $work:expr) => {
-        if N == 1 && SMALL {
+        if N == 1 {
             let $i = 0;
             $work;
         } else {
