@@ -53,14 +53,15 @@ impl BothWays {
         // The trace starts well in front of that plane, since the front surface may protrude from it.
         let before = exact(self.rear.abs());
         let origin = [x + before * sx, y + before * sy, before];
-        let ray = self.to_film.trace_in_full(origin, [-sx, -sy, exact(-1.0)]).ok()?;
-        Some(crossing(ray, exact(self.film) - exact(self.rear)))
+        let (point, direction, _) = self.to_film.trace_in_full(origin, [-sx, -sy, exact(-1.0)]).ok()?;
+        Some(crossing((point, direction), exact(self.film) - exact(self.rear)))
     }
 
     /// Returns the crossing with the plane z = 0 of a ray from the film.
     fn out(&self, [x, y, sx, sy]: Crossing) -> Option<Crossing> {
-        let ray = self.to_scene.trace_in_full([x, y, exact(self.film)], [sx, sy, exact(1.0)]).ok()?;
-        Some(crossing(ray, Exact::ZERO))
+        let from = [x, y, exact(self.film)];
+        let (point, direction, _) = self.to_scene.trace_in_full(from, [sx, sy, exact(1.0)]).ok()?;
+        Some(crossing((point, direction), Exact::ZERO))
     }
 }
 

@@ -15,7 +15,7 @@ use realistic_optics::{
     prescription::{catalogue, read},
     trace::{Direction, Path, Ray, Real},
 };
-use realistic_trace::kernel::{Kernel, KernelScalar};
+use realistic_trace::kernel::{Kernel, KernelScalar, PathKernel, RayBuffer};
 
 type Vector = [Exact; 3];
 
@@ -127,11 +127,12 @@ fn thin_shells_focus_where_luneburgs_lens_does() {
 }
 
 #[test]
-fn a_ray_sent_back_returns_to_where_it_came_from() {
+fn a_ray_sent_back_returns_to_where_it_came_from_by_the_same_optical_path() {
     for name in ["dgauss.50mm", "fisheye.10mm", "wide.22mm", "telephoto.250mm"] {
         let lens = Lens::at_d_line(&catalogue::find(name).expect("in the catalogue"));
         let (out, back) = (path(&lens, Direction::FilmToScene), path(&lens, Direction::SceneToFilm));
         let entry = exact(lens.rear().vertex);
+        let kernel = PathKernel::new(&lens, Direction::FilmToScene);
         let mut passed = 0;
         for i in 0..100 {
             let slope = |n: i32| (f64::from(i * n % 23) / 23.0 - 0.5) * 0.3;
@@ -140,8 +141,10 @@ fn a_ray_sent_back_returns_to_where_it_came_from() {
                 direction: [slope(3), slope(11), 1.0],
             };
             let start = ray.origin.map(exact);
-            let Ok((point, direction)) = out.trace_in_full(start, ray.direction.map(exact)) else { continue };
-            let (point, direction) =
+            let Ok((point, direction, there)) = out.trace_in_full(start, ray.direction.map(exact)) else {
+                continue;
+            };
+            let (point, direction, back) =
                 back.trace_in_full(point, direction.map(|d| -d)).expect("the way it came");
             passed += 1;
             // Both rays lie on the same line: the start is on it, and the direction is the same.
@@ -151,6 +154,13 @@ fn a_ray_sent_back_returns_to_where_it_came_from() {
                 to_start[j] * direction[k] - to_start[k] * direction[j]
             });
             assert!(length(moment) < 1e-27, "{name} {ray:?}: {:e} mm", length(moment));
+            let between = to_start.iter().fold(exact(0.0), |sum, part| sum + *part * *part).sqrt();
+            let whole = back + between;
+            assert!((there - whole).to_f64().abs() < 1e-27, "{name} {ray:?}");
+            let (mut rays, mut own) = (RayBuffer::new(1), [0.0]);
+            rays.put(0, ray.origin, ray.direction);
+            kernel.trace_in_place(&mut rays.rays(), &mut own);
+            assert!((exact(own[0]) - there).to_f64().abs() < 1e-12, "{name} {ray:?}: {}", own[0]);
         }
         assert!(passed > 20, "{name}: {passed}");
     }
@@ -236,7 +246,7 @@ fn the_tables_of_exact_arithmetic_agree_to_their_last_digits() {
                 let origin = [given(0), given(1), given(2) + entry];
                 let traced = path.trace_in_full(origin, [given(3), given(4), given(5)]);
                 assert_eq!(traced.is_ok(), fields[12] == "ok", "{prefix}{name}: {row}");
-                let Ok(([x, y, z], direction)) = traced else {
+                let Ok(([x, y, z], direction, _)) = traced else {
                     assert_eq!(
                         traced.map_err(|why| why.to_string()).err().as_deref(),
                         Some(fields[12]),

@@ -289,7 +289,7 @@ impl Interface {
     ) -> Result<[[R; 3]; 2], Blocked> {
         match (&self.aspheric, crossing) {
             (Some(aspheric), Some(crossing)) => aspheric.through(point, direction, crossing?),
-            _ => path.trace_in_full(point, direction).map(|(point, direction)| [point, direction]),
+            _ => path.trace_in_full(point, direction).map(|(point, direction, _)| [point, direction]),
         }
     }
 

@@ -39,7 +39,7 @@ impl Reference {
     pub fn trace(&self, ray: Ray) -> Result<ExactRay, Blocked> {
         match self {
             Self::Walk(path) => {
-                let (point, direction) =
+                let (point, direction, _) =
                     path.trace_in_full(vector(ray.origin), vector(in_range(ray.direction)))?;
                 Ok(ExactRay { point, direction })
             }

@@ -52,7 +52,7 @@ impl LightKernel {
 }
 
 fn light_in_place(optics: &impl Optics<f64>, simd: Available, rays: &mut LensRays<'_, f64>) {
-    let mut rays = Arrays { optics, from: None, to: rays };
+    let mut rays = Arrays { optics, from: None, to: rays, optical_path: None };
     in_vectors(simd, Grouping::Wide, &mut rays);
 }
 

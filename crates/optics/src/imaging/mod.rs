@@ -12,10 +12,12 @@
 //! | film distance for an object at D | b(u), the distance of the best image, at the root u of F + 1/u - z' + b(u) = D | [`focus::Focus`] |
 //! | depth of field | the object distances s₁ at which the blur D \|s₁ - s\|/s₁, with a pupil D wide, stays below the circle of confusion | [`focus::DepthOfField`] |
 //! | field of view | 2 atan(d/2f) for a thin lens; for the real lens, the angle between the chief rays, which pass the centre of the stop | `realistic_trace::field` |
+//! | chief ray of a point of the film or the scene | the ray through the centre of the stop, whatever apertures do to it | [`chief`] |
 //! | image scale: length on the film for an angle in the scene | dx/dθ of the chief ray, meridional and sagittal | `realistic_trace::image_scale` |
 //! | film irradiance for unit radiance | E = ∫ cos⁴θ' d(slope)² over the rays that get through | [`irradiance`] |
 
 pub mod axial_beam;
+pub mod chief;
 pub mod focus;
 pub mod irradiance;
 pub mod moving;

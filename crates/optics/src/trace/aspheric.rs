@@ -234,18 +234,13 @@ impl<R: Real> Aspheric<R> {
 
     /// Moves the ray to the surface. The hit may lie up to `slack` (in units of V) before the last point of the ray.
     pub(super) fn meet(&self, state: &mut State<R>, slack: R) -> Result<(), Blocked> {
-        let State { p, v, lead } = *state;
-        if !(v[2] > R::ZERO) {
-            return Err(Blocked::TurnedBack);
-        }
-        // The search starts from the vertex plane, where lengths are of the same scale as the surface.
-        let to_plane = -p[2] / v[2];
-        let start = [p[0] + to_plane * v[0], p[1] + to_plane * v[1], R::ZERO];
-        let (last, lowest) = (-(lead + to_plane) - slack, R::from_f64(self.extent[0]) / v[2]);
+        let v = state.v;
+        let (start, last) = state.at_vertex_plane(slack)?;
+        let lowest = R::from_f64(self.extent[0]) / v[2];
         let from = if last > lowest { last } else { lowest };
         let line = RayLine::new(start, v);
         let t = self.crossing(&line, from)?;
-        *state = State { p: line.at(t), v, lead: R::ZERO };
+        *state = State { p: line.at(t), lead: R::ZERO, ..*state };
         Ok(())
     }
 

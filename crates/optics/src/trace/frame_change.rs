@@ -32,6 +32,15 @@ impl<R: Real> FrameChange<R> {
         std::array::from_fn(|i| turned[i] + self.offset[i])
     }
 
+    /// Returns whether x becomes x and does not matter to y and z, and the same for y: [`Path::symmetries`](super::Path).
+    pub(super) fn symmetries(&self) -> [bool; 2] {
+        [0, 1].map(|axis| {
+            let apart =
+                |other: usize| self.rotation[axis][other] == R::ZERO && self.rotation[other][axis] == R::ZERO;
+            self.offset[axis] == R::ZERO && (0..3).all(|other| other == axis || apart(other))
+        })
+    }
+
     /// Takes a ray to the new frame.
     #[inline(always)]
     pub(super) fn apply(&self, state: &mut State<R>) {
@@ -50,16 +59,10 @@ struct Chain {
 
 impl Chain {
     fn of(lens: &Lens) -> Self {
-        let mut signs = vec![1.0];
-        let breaks = lens.surfaces.iter().map(|surface| surface.coordinate_break).chain([lens.film_break]);
-        let gaps = std::iter::once(0.0).chain(lens.surfaces.iter().map(|surface| surface.thickness));
-        let changes = breaks
-            .zip(gaps)
-            .map(|(own, gap)| own.map(|own| CoordinateBreak::shifted([0.0, 0.0, gap]).then(&own)));
-        for surface in &lens.surfaces {
-            signs.push(if surface.is_reversed != surface.is_mirror { -1.0 } else { 1.0 });
-        }
-        Self { changes: changes.collect(), signs }
+        let changes = lens.gaps_and_breaks().map(|(gap, own)| own.map(|own| gap.then(&own)));
+        let behind =
+            lens.surfaces.iter().map(|surface| if surface.is_reversed_behind() { -1.0 } else { 1.0 });
+        Self { changes: changes.collect(), signs: std::iter::once(1.0).chain(behind).collect() }
     }
 }
 

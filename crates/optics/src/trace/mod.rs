@@ -64,4 +64,25 @@ pub struct State<R> {
     v: [R; 3],
     /// Distance, in units of V, by which the ray was advanced since its origin or its last refraction.
     lead: R,
+    /// Optical path since the ray's origin, mm: the sum of lengths times indices.
+    path: R,
+}
+
+impl<R: Real> State<R> {
+    /// Returns the point of the ray in the vertex plane, from which the search for a crossing starts because lengths
+    /// there are of the same scale as the surface; and the distance from there, in units of V, of the point `slack`
+    /// before the last one of the ray.
+    ///
+    /// # Errors
+    /// The ray does not lead toward +z.
+    #[inline(always)]
+    fn at_vertex_plane(&self, slack: R) -> Result<([R; 3], R), Blocked> {
+        let Self { p, v, lead, .. } = *self;
+        if !(v[2] > R::ZERO) {
+            return Err(Blocked::TurnedBack);
+        }
+        let to_plane = -p[2] / v[2];
+        let start = [p[0] + to_plane * v[0], p[1] + to_plane * v[1], R::ZERO];
+        Ok((start, -(lead + to_plane) - slack))
+    }
 }

@@ -38,6 +38,9 @@ pub struct Walk {
     pub ray: Ray,
     /// Number of surfaces met.
     pub surfaces_met: usize,
+    /// Optical path from the ray's origin to the last surface met, mm: the sum of lengths times indices. Lengths are
+    /// negative where the ray is extended backward.
+    pub optical_path: f64,
     /// The reason why the ray is blocked at the last surface, if it is.
     pub blocked: Option<Blocked>,
 }
@@ -164,10 +167,7 @@ impl<R: Real> Path<R> {
             near < far && far < lens.surfaces.len(),
             "a ghost turns back at a surface, and again before it"
         );
-        assert!(
-            lens.is_centred() && !lens.has_mirror(),
-            "ghosts need a lens with an axis and without mirrors"
-        );
+        assert!(lens.is_round(), "ghosts need a lens with an axis and without mirrors");
         Self::over(lens, direction, refraction, stations(lens.surfaces.len(), Some(turns)))
     }
 
@@ -189,7 +189,7 @@ impl<R: Real> Path<R> {
         // The flag for contact between two neighbours is stored in the surface on the film's side.
         let touch = |a: usize, b: usize| surfaces[if forward { a.max(b) } else { a.min(b) }].is_contact;
         let (mut last, mut last_bent) = (None, None);
-        let is_folded = !lens.is_centred() || lens.has_mirror();
+        let is_folded = !lens.is_round();
         let mut changes = if is_folded { frame_change::along(lens, forward) } else { Vec::new() };
         let mut change = |at: usize| changes.get_mut(at).and_then(Option::take).map(Arc::new);
         let steps: Vec<_> = order
@@ -312,7 +312,7 @@ impl<R: Real> Path<R> {
         let start = Ray { origin: ray.origin, direction: unit(ray.direction) };
         let finite = start.origin.iter().chain(&start.direction).all(|x| x.is_finite());
         if !finite {
-            return Walk { ray: start, surfaces_met: 0, blocked: Some(Blocked::Missed) };
+            return Walk { ray: start, surfaces_met: 0, optical_path: 0.0, blocked: Some(Blocked::Missed) };
         }
         let mut state = self.enter(ray, start.direction, self.steps[0].n);
         let (mut point, mut passed) = (start.origin, 0.0);
@@ -329,8 +329,9 @@ impl<R: Real> Path<R> {
             met(number, point);
         });
         if surfaces_met == 0 {
-            return Walk { ray: start, surfaces_met, blocked };
+            return Walk { ray: start, surfaces_met, optical_path: 0.0, blocked };
         }
+        let optical_path = state.path.to_f64();
         if let Some(places) = &self.places {
             let ray = match blocked {
                 None => self.left(state),
@@ -342,7 +343,7 @@ impl<R: Real> Path<R> {
                     Ray { origin: point, direction: unit(v) }
                 }
             };
-            return Walk { ray, surfaces_met, blocked };
+            return Walk { ray, surfaces_met, optical_path, blocked };
         }
         let [vx, vy, vz] = state.v.map(R::to_f64);
         let last = &self.steps[surfaces_met - 1];
@@ -350,15 +351,16 @@ impl<R: Real> Path<R> {
         let is_turned = last.is_backward != (last.is_mirror && blocked != Some(Blocked::Clipped));
         let travel_sign = if is_turned { -travel_sign } else { travel_sign };
         let ray = Ray { origin: point, direction: unit([vx, vy, travel_sign * vz]) };
-        Walk { ray, surfaces_met, blocked }
+        Walk { ray, surfaces_met, optical_path, blocked }
     }
 
     /// Traces a ray through the lens in the number type `R` from start to end, for types wider than double. Returns the
-    /// point, in the frame of the last vertex met (with z along +z of lens space), and the unit direction.
+    /// point, in the frame of the last vertex met (with z along +z of lens space), the unit direction, and the optical
+    /// path from `origin` to the point, mm.
     ///
     /// # Errors
     /// The reason why the ray is blocked.
-    pub fn trace_in_full(&self, origin: [R; 3], direction: [R; 3]) -> Result<([R; 3], [R; 3]), Blocked> {
+    pub fn trace_in_full(&self, origin: [R; 3], direction: [R; 3]) -> Result<([R; 3], [R; 3], R), Blocked> {
         let travel_sign = R::from_f64(self.travel_sign());
         let [dx, dy, dz] = direction;
         let length = dot(direction, direction).sqrt();
@@ -367,6 +369,7 @@ impl<R: Real> Path<R> {
             p: [x, y, travel_sign * (z - R::from_f64(self.entry))],
             v: [dx, dy, travel_sign * dz].map(|d| self.steps[0].n * d / length),
             lead: R::ZERO,
+            path: R::ZERO,
         };
         if let (_, Some(reason)) = self.trace_surfaces(&self.steps, &mut state, |_, _, _| ()) {
             return Err(reason);
@@ -377,7 +380,7 @@ impl<R: Real> Path<R> {
         let [x, y, z] = state.p;
         let [vx, vy, vz] = state.v;
         let length = dot(state.v, state.v).sqrt();
-        Ok(([x, y, travel_sign * z], [vx / length, vy / length, travel_sign * vz / length]))
+        Ok(([x, y, travel_sign * z], [vx / length, vy / length, travel_sign * vz / length], state.path))
     }
 
     /// Traces the state, in the frame of the first vertex, through the surfaces of `steps`. Returns the number of
@@ -396,6 +399,7 @@ impl<R: Real> Path<R> {
             let step = step.borrow();
             let mut ahead = *state;
             step.enter_frame(&mut ahead);
+            let from = ahead.p;
             let hit = if self.is_forward(&ahead, number) {
                 step.meet(&mut ahead)
             } else {
@@ -404,6 +408,9 @@ impl<R: Real> Path<R> {
             if let Err(reason) = hit {
                 return (number, Some(reason));
             }
+            // V = n D, so that the component of V along the way is n.
+            let moved: [R; 3] = std::array::from_fn(|i| ahead.p[i] - from[i]);
+            ahead.path = ahead.path + dot(moved, ahead.v);
             *state = ahead;
             met(number, step, state);
             if let Err(reason) = step.pass(state, self.refraction) {
@@ -443,6 +450,7 @@ impl<R: Real> Path<R> {
             p: entry.map(R::from_f64),
             v: [dx, dy, travel_sign * dz].map(|d| n * R::from_f64(d)),
             lead: R::from_f64(lead) / n,
+            path: R::from_f64(lead) * n,
         }
     }
 
@@ -495,6 +503,15 @@ impl<R: Real> Path<R> {
         self.leaving.as_deref()
     }
 
+    /// Returns whether the lens is symmetric in x, and in y, but for shaped apertures: whether the reflection of a ray in
+    /// the plane x = 0, or y = 0, passes where the ray does.
+    pub fn symmetries(&self) -> [bool; 2] {
+        let changes = self.steps.iter().filter_map(|step| step.change.as_deref()).chain(self.leaving());
+        changes
+            .map(FrameChange::symmetries)
+            .fold([true; 2], |[x, y], [own_x, own_y]| [x && own_x, y && own_y])
+    }
+
     /// Returns the direction of travel.
     pub fn direction(&self) -> Direction {
         self.direction
@@ -512,6 +529,19 @@ impl<R: Real> Path<R> {
             n_behind: step.n_behind,
             is_mirror: step.is_mirror,
         })
+    }
+
+    /// Returns x and y, in the frame of its own vertex, of the point where a ray meets surface `number` of the path, mm;
+    /// `None` if the ray is blocked before.
+    pub fn meeting_point(&self, ray: Ray, number: usize) -> Option<[f64; 2]> {
+        let direction = unit(ray.direction);
+        let mut state = self.enter(ray, direction, self.steps[0].n);
+        let mut point = None;
+        self.trace_surfaces(&self.steps[..=number], &mut state, |met, _, state| {
+            let [x, y, _] = state.p.map(R::to_f64);
+            point = (met == number).then_some([x, y]);
+        });
+        point.filter(|point| point.iter().all(|part| part.is_finite()))
     }
 
     /// Returns the point where a ray meets the first surface, in lens space, mm; `None` if the ray misses the surface.
@@ -575,7 +605,7 @@ impl<R: Real> Path<R> {
             let normal = step.normal(state.p).map(R::to_f64);
             let [x, y, z] = state.p.map(R::to_f64);
             let from = |last: [R; 3]| {
-                let mut start = State { p: last, v: last, lead: R::ZERO };
+                let mut start = State { p: last, v: last, lead: R::ZERO, path: R::ZERO };
                 step.enter_frame(&mut start);
                 let [x0, y0, z0] = start.p.map(R::to_f64);
                 let d = [x - x0, y - y0, z - z0];
@@ -635,6 +665,7 @@ impl<R: Real> Path<R> {
             p: [x + moved * sx, y + moved * sy, R::ZERO],
             v: [sx * vz, sy * vz, vz],
             lead: moved * length / n,
+            path: moved * length * n,
         };
         self.steps.iter().enumerate().all(|(surface, step)| {
             step.enter_frame(&mut state);
@@ -666,7 +697,7 @@ impl FoldedPaths {
         let count = lens.surfaces.len();
         // A path with mirrors at both ends meets the surfaces from one mirror to the other backward.
         let mut back = direct.steps.clone();
-        if count > 1 && lens.is_centred() && !lens.has_mirror() {
+        if count > 1 && lens.is_round() {
             let folded = Path::reflected(lens, direction, refraction, [0, count - 1]).with_apertures(lens);
             for step in folded.steps.into_iter().filter(|step| step.is_backward) {
                 let along = step.along;

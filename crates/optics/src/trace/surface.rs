@@ -150,7 +150,7 @@ impl<R: Real> PathSurface<R> {
         if let Some(unsymmetric) = &self.unsymmetric {
             return unsymmetric.meet(state, self.slack);
         }
-        let State { p, v, lead } = state;
+        let State { p, v, lead, .. } = state;
         let c = self.curvature;
         let advance = |p: &mut [R; 3], t: R| (0..3).for_each(|i| p[i] = p[i] + t * v[i]);
         if v[2] > R::ZERO && -p[2] * if c < R::ZERO { -c } else { c } > R::from_f64(FAR) {

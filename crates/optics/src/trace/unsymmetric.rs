@@ -83,7 +83,7 @@ impl<R: Real> UnsymmetricSheet<R> {
             kappa: R::ONE + R::from_f64(conic),
         });
         Self {
-            constants: figure.surface.constants(sign, R::from_f64),
+            constants: figure.surface.constants(sign).map(R::from_f64),
             cylinder,
             inside: SheetBounds::new(&figure.inside, is_forward, margin),
             beyond: SheetBounds::new(&figure.beyond, is_forward, margin),
@@ -95,14 +95,8 @@ impl<R: Real> UnsymmetricSheet<R> {
 
     /// Moves the ray to the surface. The hit may lie up to `slack` (in units of V) before the last point of the ray.
     pub(super) fn meet(&self, state: &mut State<R>, slack: R) -> Result<(), Blocked> {
-        let State { p, v, lead } = *state;
-        if !(v[2] > R::ZERO) {
-            return Err(Blocked::TurnedBack);
-        }
-        // The search starts from the vertex plane, where lengths are of the same scale as the surface.
-        let to_plane = -p[2] / v[2];
-        let start = [p[0] + to_plane * v[0], p[1] + to_plane * v[1], R::ZERO];
-        let last = -(lead + to_plane) - slack;
+        let v = state.v;
+        let (start, last) = state.at_vertex_plane(slack)?;
         let t = match &self.cylinder {
             // In front of its aperture the other half of a cylinder is not part of the surface.
             Some(cylinder) => {
@@ -111,7 +105,7 @@ impl<R: Real> UnsymmetricSheet<R> {
             }
             None => self.first_crossing(start, v, last)?,
         };
-        *state = State { p: std::array::from_fn(|i| start[i] + t * v[i]), v, lead: R::ZERO };
+        *state = State { p: std::array::from_fn(|i| start[i] + t * v[i]), lead: R::ZERO, ..*state };
         Ok(())
     }
 

@@ -3,7 +3,7 @@
 //!
 //! A kernel's loop is generic over [`Carried`]. [`Own`] carries nothing; it is for rays at the lens's own wavelength.
 //! [`Dispersed`](super::dispersion::Dispersed) carries media. `light::Transmission` adds light to either of them;
-//! without it, all light remains.
+//! without it, all light remains. [`OpticalPath`](super::optical_path::OpticalPath) carries the optical path.
 
 use super::{
     dispersion::{Media, Own},
@@ -24,6 +24,10 @@ pub trait Carried<S: Scalar> {
     fn go_to<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, number: usize, state: &mut Self::State<L>);
     /// Returns the media at the current step.
     fn media<L: Lanes<Scalar = S>>(&self, state: &Self::State<L>) -> Self::Media<L>;
+    /// Takes note of the distance, in units of V, that rays have come from their origins to the vertex plane of the first
+    /// surface, or to where they start.
+    #[inline(always)]
+    fn depart<L: Lanes<Scalar = S>>(&self, _: &mut Self::State<L>, _: L) {}
     /// Takes the data of rays across the surface of the current step.
     #[inline(always)]
     fn cross<L: Lanes<Scalar = S>>(&self, _: Cpu<L>, _: usize, _: &mut Self::State<L>, _: &Crossing<L>) {}
@@ -49,6 +53,11 @@ pub trait Carried<S: Scalar> {
     /// behind the last surface; `None` if all ratios are 1.
     #[inline(always)]
     fn per_last_index<L: Lanes<Scalar = S>>(&self, _: Cpu<L>, _: &Self::State<L>) -> Option<L> {
+        None
+    }
+    /// Returns the optical path of the rays from their origins to the last surface, mm, if they carry it.
+    #[inline(always)]
+    fn optical_path<L: Lanes<Scalar = S>>(&self, _: Cpu<L>, _: &Self::State<L>) -> Option<L> {
         None
     }
     /// Returns the share of the light that remains, times the change of the radiance factor (n'/n)² of the media at both

@@ -12,7 +12,7 @@ use super::{
     instances::{Grouping, InVectors, KernelScalar, in_vectors},
     ray_arrays::{Approach, anywhere, from_plane},
     ray_lanes::{RayLanes, Start},
-    trace::through,
+    trace::{enter, through},
 };
 use realistic_optics::{lens::Ray, trace::Path};
 use realistic_simd::{Available, Cpu, Lanes};
@@ -219,7 +219,7 @@ impl<const N: usize, D: Departure<N>> InVectors<f64> for Packet<'_, N, D> {
         let mut rays = Group::<RayLanes<L, Nearest<L>>, U>::default();
         for u in 0..count {
             let start = self.start(cpu, first + u * L::WIDTH);
-            rays.push(RayLanes::enter(cpu, &table.steps[0], Own, start).0);
+            rays.push(enter(cpu, table, &Own, L::splat(cpu, 0.0), start).0);
         }
         let rays = rays.filled();
         through(cpu, table, &Own, rays, &mut [(); U], count);

@@ -7,8 +7,8 @@ use super::{
     dispersion::Own,
     ray_arrays::{Approach, Arrays},
     ray_lanes::{End, RayLanes, Start},
-    table::{Step, Table},
-    trace::{follow, through},
+    table::Table,
+    trace::{enter, through},
 };
 #[cfg(target_arch = "x86_64")]
 use realistic_simd::Simd;
@@ -103,6 +103,11 @@ pub trait Optics<S: Scalar> {
         _: usize,
     ) {
     }
+    /// Returns the optical path of a vector of rays, mm, if they carry it.
+    #[inline(always)]
+    fn optical_path<L: Lanes<Scalar = S>>(&self, _: Cpu<L>, _: &Self::State<L>) -> Option<L> {
+        None
+    }
     /// Returns the result of a vector of rays.
     fn leave<L: Lanes<Scalar = S>>(
         &self,
@@ -138,19 +143,7 @@ impl<S: Scalar, C: Carried<S>> Optics<S> for LensSteps<S, C> {
         wavelengths: L,
         start: Start<L>,
     ) -> (RayLanes<L>, C::State<L>) {
-        let Self { table, carried } = self;
-        let mut state = carried.start(cpu, wavelengths);
-        carried.go_to(cpu, 0, &mut state);
-        let (ray, crossing) = RayLanes::enter(cpu, &table.steps[0], carried.media(&state), start);
-        if let Step::General(step) = &table.steps[0] {
-            follow(cpu, carried, 0, step, Some(&crossing), &mut state);
-            return (ray, state);
-        }
-        carried.cross(cpu, 0, &mut state, &crossing);
-        if table.steps[0].reflects() {
-            carried.turn_round(cpu, &mut state);
-        }
-        (ray, state)
+        enter(cpu, &self.table, &self.carried, wavelengths, start)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -162,6 +155,11 @@ impl<S: Scalar, C: Carried<S>> Optics<S> for LensSteps<S, C> {
         count: usize,
     ) {
         through(cpu, &self.table, &self.carried, rays, states, count);
+    }
+
+    #[inline(always)]
+    fn optical_path<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, state: &C::State<L>) -> Option<L> {
+        self.carried.optical_path(cpu, state)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]

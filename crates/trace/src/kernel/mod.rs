@@ -13,7 +13,7 @@
 //! prove; `table` converts each surface to a step, within the growth of rounding errors that `rounding` allows;
 //! `ray_arrays` loads a caller's rays into vectors of lanes; `trace` takes a `group` of vectors through the steps, each
 //! of which is a method in `ray_lanes`, for aspheres in `asphere`, and for other figures in `unsymmetric`; `outline` tests shaped apertures; `carried` is
-//! the data that rays carry along, such as the media at each ray's own wavelength (`dispersion`); `instances` compiles
+//! the data that rays carry along, such as the media at each ray's own wavelength (`dispersion`) or the `optical_path`; `instances` compiles
 //! all of this for each instruction set in `simd`. `clearance` runs the same loop for searches, and measures how near
 //! rays come to the edges of `apertures`.
 //!
@@ -79,6 +79,7 @@ mod dispersion;
 mod group;
 #[allow(unsafe_code)]
 mod instances;
+mod optical_path;
 mod outline;
 mod ray_arrays;
 mod ray_lanes;
@@ -91,6 +92,7 @@ mod unsymmetric;
 pub use clearance::{ClearanceTracer, FilmRay};
 pub use dispersion::Own;
 pub use instances::KernelScalar;
+pub use optical_path::PathKernel;
 pub use ray_arrays::{LensRays, PlaneRays, RayBuffer, Traced};
 
 pub(crate) use self::{asphere::Profile, outline::sides, ray_arrays::trace_array};
@@ -203,7 +205,7 @@ impl<S: KernelScalar> Kernel<S> {
 
     #[inline(always)]
     fn trace(&self, grouping: Grouping, from: Option<&PlaneRays<'_, S>>, to: &mut LensRays<'_, S>) {
-        S::trace(self.simd, grouping, &mut Arrays { optics: &self.steps, from, to });
+        S::trace(self.simd, grouping, &mut Arrays { optics: &self.steps, from, to, optical_path: None });
     }
 
     /// Returns the reason why a ray is blocked, by the scalar walk. If the walk, in double precision, lets the ray

@@ -201,6 +201,8 @@ pub struct Arrays<'a, 'b, 'c, S, O> {
     pub from: Option<&'a PlaneRays<'b, S>>,
     /// Rays behind the optics.
     pub to: &'a mut LensRays<'c, S>,
+    /// The optical path of every ray, mm, if the rays carry it; 0 for a blocked ray.
+    pub optical_path: Option<&'a mut [S]>,
 }
 
 impl<S: Scalar, O: Optics<S>> Arrays<'_, '_, '_, S, O> {
@@ -234,6 +236,10 @@ impl<S: Scalar, O: Optics<S>> Arrays<'_, '_, '_, S, O> {
         state: &O::State<L>,
     ) {
         let end = self.optics.leave(cpu, rays, state);
+        let path = self.optics.optical_path(cpu, state);
+        if let (Some(path), Some(to)) = (path, &mut self.optical_path) {
+            path.or_zero(end.passed).store(&mut to[at..]);
+        }
         store(self.to, cpu, at, end);
     }
 }

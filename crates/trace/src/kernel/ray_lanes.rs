@@ -55,6 +55,17 @@ pub enum Start<L> {
     },
 }
 
+impl<L: Lanes> Start<L> {
+    /// Returns the distance by which the rays were moved from their origins, in units of V.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn lead(&self) -> L {
+        match *self {
+            Self::Flat { cos2, moved, .. } => moved / cos2.sqrt(),
+            Self::Anywhere { lead, .. } => lead,
+        }
+    }
+}
+
 /// The refraction of rays at a surface, in the frame of its vertex; blocked lanes hold arbitrary values.
 #[derive(Clone, Copy)]
 pub struct Crossing<L> {
@@ -66,7 +77,7 @@ pub struct Crossing<L> {
     pub facing: [L; 2],
     /// V behind the surface.
     pub v: [L; 3],
-    /// Distance along the rays from the previous surface, in units of V.
+    /// Distance along the rays, in units of V, from the previous surface, or from the start before the first surface.
     pub distance: L,
 }
 
@@ -133,7 +144,7 @@ pub struct RayLanes<L: Lanes, A = Blocking> {
 const MOST_ROUNDING: f64 = 4.5e-4;
 
 impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
-    /// Takes rays through the first surface. The distance in the returned crossing is arbitrary.
+    /// Takes rays through the first surface.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn enter(
         cpu: Cpu<L>,
@@ -180,32 +191,39 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
                 let [crossing] = asphere.trace(cpu, &mut rays, [media], [minus_z], [lead]);
                 (rays[0], crossing)
             }
-            (Step::General(step), start) => {
-                let (mut ray, minus_z, lead) = Self::before_surface(cpu, start);
-                (ray.height, ray.root) = (zero - minus_z, lead);
-                let crossing = ray.general(cpu, step, media, lead);
-                (ray, crossing.unwrap_or(ray.crossing([zero; 3], None, [zero; 2], zero)))
-            }
             (
-                Step::Link(_) | Step::Stop(_) | Step::Aperture(_) | Step::Mirror(_) | Step::Renormalise(_),
+                Step::Link(_)
+                | Step::Stop(_)
+                | Step::Aperture(_)
+                | Step::Mirror(_)
+                | Step::Renormalise(_)
+                | Step::General(_),
                 _,
             ) => {
-                unreachable!("the first step meets the ray anywhere")
+                unreachable!("the first step meets the ray anywhere, or rays have not entered at it")
             }
         }
+    }
+
+    /// Returns rays before the first step, whose transfer is that from z, with the distance by which they were moved.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn before(cpu: Cpu<L>, start: Start<L>) -> Self {
+        let (ray, minus_z, lead) = Self::before_surface(cpu, start);
+        Self { height: L::splat(cpu, L::Scalar::ZERO) - minus_z, root: lead, ..ray }
     }
 
     /// Returns the rays before the first surface, -z of their points, and the distance by which they were moved, in
     /// units of V.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn before_surface(cpu: Cpu<L>, start: Start<L>) -> (Self, L, L) {
+        let lead = start.lead();
         match start {
-            Start::Flat { x, y, slopes, cos2, moved, .. } => {
+            Start::Flat { x, y, slopes, cos2, .. } => {
                 let vz = cos2.sqrt();
                 let ray = Self::at(cpu, [x, y], [slopes[0] * vz, slopes[1] * vz, vz], cos2);
-                (ray, L::splat(cpu, L::Scalar::ZERO), moved / vz)
+                (ray, L::splat(cpu, L::Scalar::ZERO), lead)
             }
-            Start::Anywhere { x, y, minus_z, v, lead } => {
+            Start::Anywhere { x, y, minus_z, v, .. } => {
                 (Self::at(cpu, [x, y], v, L::splat(cpu, L::Scalar::ONE)), minus_z, lead)
             }
         }
@@ -411,8 +429,8 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         self.y = z.mul_add(sy, self.y);
         // Vz is about to change, and the slack of the test is in units of the current V.
         let slack = self.vz * L::splat(cpu, -sphere.slack);
-        let facing = [e * self.vz, after];
-        let crossing = self.pass::<false>(cpu, sphere, media, z, [[square, square_after], facing], zero);
+        let (facing, distance) = ([e * self.vz, after], z / self.vz);
+        let crossing = self.pass::<false>(cpu, sphere, media, z, [[square, square_after], facing], distance);
         if sphere.tests.onward {
             self.keep(slack.less_equal(moved + z));
         }

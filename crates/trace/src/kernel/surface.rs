@@ -97,7 +97,8 @@ pub fn surfaces(steps: &[PathSurface<f64>], travel_sign: f64, epsilon: f64) -> V
         |step: &PathSurface<f64>| Tests { forward: travel_sign > 0.0 || step.curvature == 0.0, onward: true };
     // Rays leave the lens at the last surface, whatever its form.
     let last = steps.iter().rposition(|step| !step.only_limits()).unwrap_or(0);
-    let mut is_led = steps.first().is_some_and(|first| first.change.is_some());
+    // Rays that do not enter at the first step keep their distance from the origin, as behind a plane that leads.
+    let mut is_led = steps.first().is_some_and(|first| first.change.is_some() || first.unsymmetric.is_some());
     let first_index = steps.first().map_or(1.0, |step| step.n);
     for (i, step) in steps.iter().enumerate() {
         distance += step.distance;

@@ -146,7 +146,7 @@ pub enum Step<S> {
 }
 
 impl<S> Step<S> {
-    /// Whether rays are reflected at this step, which is none of `GeneralStep`.
+    /// Whether rays are reflected at this step, if it is not general.
     pub fn reflects(&self) -> bool {
         match self {
             Self::Mirror(_) => true,
@@ -160,7 +160,7 @@ impl<S> Step<S> {
     pub fn refracts(&self) -> bool {
         match self {
             Self::Stop(_) | Self::Aperture(_) | Self::Mirror(_) | Self::Renormalise(_) => false,
-            Self::General(step) => step.common().is_some(),
+            Self::General(step) => !matches!(**step, GeneralStep::Frame(_)),
             _ => true,
         }
     }
@@ -169,8 +169,10 @@ impl<S> Step<S> {
 /// A lens compiled for one direction. All indices are relative to that of the medium before the first surface.
 #[derive(Clone, Debug)]
 pub struct Table<S> {
-    /// Steps in order. The first step meets rays anywhere, in the frame of the first vertex, or is a change to that frame.
+    /// Steps in order. The first step meets rays anywhere, in the frame of the first vertex.
     pub steps: Box<[Step<S>]>,
+    /// Number of steps by which rays enter, before vectors are taken side by side: 1, or 0 if the first step is general.
+    pub entered: usize,
     /// The index of each step's surface, counted along the path.
     pub surfaces: Box<[usize]>,
     /// Transfer from the last surface to lens space: z in lens space is `exit.factor` times the height that the ray
@@ -291,6 +293,7 @@ impl<S: Scalar> Table<S> {
             _ => (travel_sign, path.exit()),
         };
         Self {
+            entered: usize::from(!matches!(steps.first(), Some(Step::General(_)))),
             steps: steps.into(),
             surfaces: numbers.into(),
             exit: Transfer { factor: S::from_f64(factor), offset: S::from_f64(offset) },

@@ -4,14 +4,38 @@ use super::{
     apertures::Apertures,
     asphere::LaneAsphere,
     carried::Carried,
-    ray_lanes::{Crossing, RayLanes},
+    ray_lanes::{RayLanes, Start},
     table::{ClearTest, Link, Step, Table},
-    unsymmetric::GeneralStep,
+    unsymmetric::GeneralSteps,
 };
 use realistic_base::numeric::Real;
 use realistic_simd::{Compiled, Cpu, Lanes};
 
-/// Traces vectors of rays, each behind the first surface, through all other surfaces, with the treatment `A` at
+/// Takes rays to the place where [`through`] takes over: behind the first surface, or before it if its step is general.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub fn enter<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>>(
+    cpu: Cpu<L>,
+    table: &Table<L::Scalar>,
+    carried: &C,
+    wavelengths: L,
+    start: Start<L>,
+) -> (RayLanes<L, A>, C::State<L>) {
+    let mut state = carried.start(cpu, wavelengths);
+    carried.depart(&mut state, start.lead());
+    if table.entered == 0 {
+        return (RayLanes::before(cpu, start), state);
+    }
+    let first = &table.steps[0];
+    carried.go_to(cpu, 0, &mut state);
+    let (ray, crossing) = RayLanes::enter(cpu, first, carried.media(&state), start);
+    carried.cross(cpu, 0, &mut state, &crossing);
+    if first.reflects() {
+        carried.turn_round(cpu, &mut state);
+    }
+    (ray, state)
+}
+
+/// Traces vectors of rays that have entered ([`enter`]) through all other surfaces, with the treatment `A` at
 /// apertures and with the data that the rays carry. The first `count` of the `U` vectors, at least one, are traced. The
 /// remaining vectors are idle: their values are arbitrary, and their rays become blocked.
 #[cfg_attr(not(debug_assertions), inline(always))]
@@ -61,7 +85,7 @@ impl<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>, const U: usize> Compiled 
     }
 }
 
-/// Traces vectors of rays through all surfaces but the first, each surface for all vectors.
+/// Traces vectors of rays that have entered through all other surfaces, each surface for all vectors.
 ///
 /// The loops over vectors are not unrolled: a step of one vector does not wait for that of another, and the processor's
 /// out-of-order window spans several such steps. Only the step of an asphere is too long for the window.
@@ -77,7 +101,7 @@ fn trace_steps<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>, const U: usize>
     let count = if U == 1 { 1 } else { count };
     // Here and below, loops are used rather than closures: a closure that is not inlined would be compiled without the
     // instructions that its enclosing function may use.
-    for (number, step) in (1..).zip(&table.steps[1..]) {
+    for (number, step) in table.steps.iter().enumerate().skip(table.entered) {
         for state in &mut states[..count] {
             carried.go_to(cpu, number, state);
         }
@@ -146,13 +170,15 @@ fn trace_steps<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>, const U: usize>
                     }
                 }
             }
+            Step::General(step) if U == 1 => {
+                // Only copies have their address taken, so that the ray stays in registers at other steps.
+                let (mut own, mut own_states) = (*all, *all_states);
+                let (rays, states) = (&mut own[..], &mut own_states[..]);
+                L::far_apart(cpu, GeneralSteps { cpu, step, carried, number, rays, states });
+                (*all, *all_states) = (own, own_states);
+            }
             Step::General(step) => {
-                for (ray, state) in rays.iter_mut().zip(states) {
-                    let is_led = step.common().is_some_and(|common| common.is_led);
-                    let lead = ray.lead(is_led).unwrap_or(L::splat(cpu, L::Scalar::ZERO));
-                    let crossing = ray.general(cpu, step, carried.media(state), lead);
-                    follow(cpu, carried, number, step, crossing.as_ref(), state);
-                }
+                L::far_apart(cpu, GeneralSteps { cpu, step, carried, number, rays, states });
             }
             // This step is unrolled for the whole group, in which some vectors may be idle, and for a pair of vectors.
             // Searches for edges use whole groups only.
@@ -185,27 +211,6 @@ fn trace_steps<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>, const U: usize>
                     carried.cross(cpu, number, state, &crossing);
                 }
             }
-        }
-    }
-}
-
-/// Takes the data that rays carry through a [`GeneralStep`].
-#[cfg_attr(not(debug_assertions), inline(always))]
-pub fn follow<L: Lanes, C: Carried<L::Scalar>>(
-    cpu: Cpu<L>,
-    carried: &C,
-    number: usize,
-    step: &GeneralStep<L::Scalar>,
-    crossing: Option<&Crossing<L>>,
-    state: &mut C::State<L>,
-) {
-    if let GeneralStep::Frame(frame) = step {
-        carried.enter_frame(cpu, state, &frame.rotation);
-    }
-    if let (Some(crossing), Some(common)) = (crossing, step.common()) {
-        carried.cross(cpu, number, state, crossing);
-        if common.is_mirror {
-            carried.turn_round(cpu, state);
         }
     }
 }

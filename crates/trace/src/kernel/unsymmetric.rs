@@ -7,6 +7,7 @@ use std::ops::{Add, Div, Mul, Sub};
 use super::{
     apertures::Apertures,
     asphere::Common,
+    carried::Carried,
     dispersion::Media,
     ray_lanes::{Crossing, RayLanes},
     surface::{CompiledSurface, Transfer},
@@ -76,25 +77,6 @@ pub enum GeneralStep<S> {
     Sheet(LaneSheet<S>),
 }
 
-impl<S> GeneralStep<S> {
-    /// Returns the constants that surfaces have; `None` for a change of frame.
-    pub fn common(&self) -> Option<&Common<S>> {
-        match self {
-            Self::Frame(_) => None,
-            Self::Cylinder(cylinder) => Some(&cylinder.common),
-            Self::Sheet(sheet) => Some(&sheet.common),
-        }
-    }
-
-    fn transfer(&self) -> &Transfer<S> {
-        match self {
-            Self::Frame(frame) => &frame.transfer,
-            Self::Cylinder(cylinder) => &cylinder.transfer,
-            Self::Sheet(sheet) => &sheet.transfer,
-        }
-    }
-}
-
 impl<S: Scalar> LaneCylinder<S> {
     pub fn new(
         sheet: &UnsymmetricSheet<f64>,
@@ -118,23 +100,7 @@ impl<S: Scalar> LaneSheet<S> {
         let [inside, beyond] = [&sheet.inside, &sheet.beyond].map(|bounds: &SheetBounds| number(bounds.bend));
         Self {
             transfer,
-            constants: match sheet.constants {
-                UnsymmetricConstants::Toroid { is_in_x, one, c, bend, terms, rotation } => {
-                    UnsymmetricConstants::Toroid {
-                        is_in_x,
-                        one: number(one),
-                        c: number(c),
-                        bend: number(bend),
-                        terms: terms.map(number),
-                        rotation: number(rotation),
-                    }
-                }
-                UnsymmetricConstants::Biconic { one, c, bend } => UnsymmetricConstants::Biconic {
-                    one: number(one),
-                    c: c.map(number),
-                    bend: bend.map(number),
-                },
-            },
+            constants: sheet.constants.map(number),
             inside,
             beyond,
             rim: number(sheet.rim),
@@ -213,54 +179,79 @@ fn splat<L: Lanes>(cpu: Cpu<L>, constants: &UnsymmetricConstants<L::Scalar>) -> 
     }
 }
 
-/// The arguments of [`RayLanes::general`] and the place of its result.
-struct AtGeneralStep<'a, L: Lanes, A, M> {
-    cpu: Cpu<L>,
-    step: &'a GeneralStep<L::Scalar>,
-    ray: &'a mut RayLanes<L, A>,
-    media: M,
-    lead: L,
-    crossing: &'a mut Option<Crossing<L>>,
+/// A step for vectors of rays, packed so that [`Lanes::far_apart`] can take it in a function that all callers share.
+pub struct GeneralSteps<'a, L: Lanes, A, C: Carried<L::Scalar>> {
+    pub cpu: Cpu<L>,
+    pub step: &'a GeneralStep<L::Scalar>,
+    pub carried: &'a C,
+    /// Number of the step in the table.
+    pub number: usize,
+    pub rays: &'a mut [RayLanes<L, A>],
+    pub states: &'a mut [C::State<L>],
 }
 
-impl<L: Lanes, A: Apertures<L>, M: Media<L>> Compiled for AtGeneralStep<'_, L, A, M> {
+impl<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>> Compiled for GeneralSteps<'_, L, A, C> {
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn run(self) {
-        let Self { cpu, step, ray, media, lead, crossing } = self;
-        let minus_z = ray.minus_z(cpu, step.transfer());
-        *crossing = match step {
+        let Self { cpu, step, carried, number, rays, states } = self;
+        match step {
             GeneralStep::Frame(frame) => {
-                ray.frame(cpu, frame, minus_z);
-                None
+                for (ray, state) in rays.iter_mut().zip(states) {
+                    ray.frame(cpu, frame);
+                    carried.enter_frame(cpu, state, &frame.rotation);
+                }
             }
-            GeneralStep::Cylinder(cylinder) => Some(ray.cylinder(cpu, cylinder, media, minus_z, lead)),
-            GeneralStep::Sheet(sheet) => Some(ray.sheet(cpu, sheet, media, minus_z, lead)),
-        };
+            GeneralStep::Cylinder(cylinder) => {
+                for (ray, state) in rays.iter_mut().zip(states) {
+                    let crossing = ray.cylinder(cpu, cylinder, carried.media(state));
+                    cylinder.common.cross(cpu, carried, number, state, &crossing);
+                }
+            }
+            GeneralStep::Sheet(sheet) => {
+                for (ray, state) in rays.iter_mut().zip(states) {
+                    let crossing = ray.sheet(cpu, sheet, carried.media(state));
+                    sheet.common.cross(cpu, carried, number, state, &crossing);
+                }
+            }
+        }
+    }
+}
+
+impl<S: Scalar> Common<S> {
+    /// Takes the data that rays carry across the surface.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn cross<L: Lanes<Scalar = S>, C: Carried<S>>(
+        &self,
+        cpu: Cpu<L>,
+        carried: &C,
+        number: usize,
+        state: &mut C::State<L>,
+        crossing: &Crossing<L>,
+    ) {
+        carried.cross(cpu, number, state, crossing);
+        if self.is_mirror {
+            carried.turn_round(cpu, state);
+        }
     }
 }
 
 impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
-    /// Takes rays through a step, in a function that all callers share. `lead` is the distance that the rays have come
-    /// from their origin, in units of V. Returns the crossing of a surface. Only a copy of the rays has its address
-    /// taken, so that they stay in registers at the other surfaces.
+    /// Moves rays to the vertex plane of a surface, as [`Self::reach_plane`] does.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn general(
+    fn reach_vertex(
         &mut self,
         cpu: Cpu<L>,
-        step: &GeneralStep<L::Scalar>,
-        media: impl Media<L>,
-        lead: L,
-    ) -> Option<Crossing<L>> {
-        let (mut ray, mut crossing) = (*self, None);
-        L::far_apart(cpu, AtGeneralStep { cpu, step, ray: &mut ray, media, lead, crossing: &mut crossing });
-        *self = ray;
-        crossing
+        transfer: &Transfer<L::Scalar>,
+        common: &Common<L::Scalar>,
+    ) -> [L; 2] {
+        let lead = self.lead(common.is_led).unwrap_or(L::splat(cpu, L::Scalar::ZERO));
+        self.reach_plane(cpu, common, self.minus_z(cpu, transfer), lead)
     }
 
     /// Takes rays to the frame of the next surface.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn frame(&mut self, cpu: Cpu<L>, frame: &Frame<L::Scalar>, minus_z: L) {
-        let z = L::splat(cpu, L::Scalar::ZERO) - minus_z;
+    fn frame(&mut self, cpu: Cpu<L>, frame: &Frame<L::Scalar>) {
+        let z = L::splat(cpu, L::Scalar::ZERO) - self.minus_z(cpu, &frame.transfer);
         let (p, v) = ([self.x, self.y, z], [self.vx, self.vy, self.vz]);
         let (mut moved, mut turned) = (p, v);
         for i in 0..3 {
@@ -280,19 +271,18 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         cpu: Cpu<L>,
         cylinder: &LaneCylinder<L::Scalar>,
         media: impl Media<L>,
-        minus_z: L,
-        lead: L,
     ) -> Crossing<L> {
         let (zero, one) = (L::splat(cpu, L::Scalar::ZERO), L::splat(cpu, L::Scalar::ONE));
         let (c, kappa) = (L::splat(cpu, cylinder.c), L::splat(cpu, cylinder.kappa));
-        let [to_plane, from] = self.reach_plane(cpu, &cylinder.common, minus_z, lead);
+        let [to_plane, from] = self.reach_vertex(cpu, &cylinder.transfer, &cylinder.common);
         let (u, vu) = if cylinder.is_in_x { (self.x, self.vx) } else { (self.y, self.vy) };
         let a = c * vu.mul_add(vu, kappa * (self.vz * self.vz));
         let cu = c * u;
         let g = cu.neg_mul_add(vu, self.vz);
         let square = g.mul_add(g, zero - a * (cu * u));
         let e = square.sqrt();
-        let t = L::select(zero.less(g), cu * u / (g + e), (g - e) / a);
+        let near = zero.less(g);
+        let t = L::select(near, cu * u, g - e) / L::select(near, g + e, a);
         self.advance(t);
         let z = t * self.vz;
         let q = (kappa * c).neg_mul_add(z, one);
@@ -306,16 +296,9 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn sheet(
-        &mut self,
-        cpu: Cpu<L>,
-        sheet: &LaneSheet<L::Scalar>,
-        media: impl Media<L>,
-        minus_z: L,
-        lead: L,
-    ) -> Crossing<L> {
+    fn sheet(&mut self, cpu: Cpu<L>, sheet: &LaneSheet<L::Scalar>, media: impl Media<L>) -> Crossing<L> {
         let (zero, one) = (L::splat(cpu, L::Scalar::ZERO), L::splat(cpu, L::Scalar::ONE));
-        let [to_plane, from] = self.reach_plane(cpu, &sheet.common, minus_z, lead);
+        let [to_plane, from] = self.reach_vertex(cpu, &sheet.transfer, &sheet.common);
         let constants = splat(cpu, &sheet.constants);
         let (rim, reach) = (L::splat(cpu, sheet.rim), L::splat(cpu, sheet.reach));
         let tolerance = L::splat(cpu, sheet.tolerance);

@@ -75,7 +75,11 @@ impl<S: KernelScalar> PolynomialLens<S> {
     #[inline]
     pub fn trace_one(&self, point: [S; 2], slopes: [S; 2]) -> Option<Traced<S>> {
         let [traced] = trace_array(self.film, [point], [slopes], |from, to| {
-            in_vectors(self.simd, Grouping::One, &mut Arrays { optics: self, from: Some(from), to });
+            in_vectors(
+                self.simd,
+                Grouping::One,
+                &mut Arrays { optics: self, from: Some(from), to, optical_path: None },
+            );
         });
         traced
     }
@@ -89,7 +93,11 @@ impl<S: KernelScalar> PolynomialLens<S> {
         let from = &PlaneRays { plane: self.film, ..*from };
         let n = from.checked_len();
         assert_eq!(n, to.checked_len(), "a batch needs as much room as it has rays");
-        in_vectors(self.simd, Grouping::Wide, &mut Arrays { optics: self, from: Some(from), to });
+        in_vectors(
+            self.simd,
+            Grouping::Wide,
+            &mut Arrays { optics: self, from: Some(from), to, optical_path: None },
+        );
     }
 
     /// Returns the proof that the processor has the instructions in use.

@@ -49,7 +49,8 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
         let cu = c * self.height_squared();
         let square = a.neg_mul_add(cu, g * g);
         let e = square.sqrt();
-        let t = L::select(zero.less(g), cu / (g + e), (g - e) / a);
+        let near = zero.less(g);
+        let t = L::select(near, cu, g - e) / L::select(near, g + e, a);
         self.advance(t);
         let z = t * self.vz;
         let q = z.mul_add(L::splat(cpu, conic.minus_kappa_c), one);
