@@ -32,7 +32,7 @@ impl Failure {
     /// # Errors
     /// The lens has tilted, decentred or cylindrical surfaces, or mirrors.
     pub fn unless_round(lens: &Lens, what: &str) -> Result<(), Self> {
-        if lens.is_centred() && !lens.has_mirror() {
+        if lens.is_round() {
             return Ok(());
         }
         Err(Self::Other(format!(

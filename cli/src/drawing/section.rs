@@ -44,8 +44,8 @@ const PUPIL_MOST: f64 = 2.0;
 /// Draws the lens.
 pub fn draw(lens: &Lens, options: &SectionOptions<'_>) -> Page {
     let film = lens.rear().vertex - options.film_distance;
-    // Points and planes of the film's side lie in image space.
-    let marks = if is_unfolded(lens) { marks::all(lens) } else { Vec::new() };
+    // Points and planes of the film's side lie in image space, which is lens space for a round lens.
+    let marks = if lens.is_round() { marks::all(lens) } else { Vec::new() };
     let view = window(lens, film, options.film_diagonal, &marks);
     let mut page = Page::new(WIDTH, HEAD + view.frame.height + FOOT);
     title(&mut page, lens, &numbers(lens), options.title);
@@ -105,14 +105,9 @@ pub(super) fn stop_bar(lens: &Lens, index: usize) -> f64 {
     widest.max(1.3 * lens.surfaces[index].semi_diameter)
 }
 
-/// Returns whether image space is lens space.
-fn is_unfolded(lens: &Lens) -> bool {
-    lens.is_centred() && !lens.has_mirror()
-}
-
 /// Returns the drawing's window, in which -z is the horizontal coordinate.
 fn window(lens: &Lens, film: f64, diagonal: f64, marks: &[AxialMark]) -> View {
-    if !is_unfolded(lens) {
+    if !lens.is_round() {
         return around(lens, film, diagonal);
     }
     let ends = |edge: fn(f64, f64) -> f64, start: f64| {

@@ -53,7 +53,7 @@ impl Format {
             Self::Seq => code_v::write,
             Self::Json => |sequence, notes| Ok(optiland::write(sequence, notes)),
         };
-        if !lens.is_centred() || lens.interfaces.iter().any(|interface| interface.is_mirror) {
+        if !lens.is_round() {
             return Err("tilted, decentred and cylindrical surfaces and mirrors are written as the project's own table (.dat) \
                         alone"
                 .to_owned());

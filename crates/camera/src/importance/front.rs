@@ -27,7 +27,7 @@ impl Front {
     pub fn of(lens: &Lens) -> Self {
         let surface = lens.front().clone();
         let path = Path::new(lens, Direction::SceneToFilm, Refraction::Fused);
-        let is_general = !lens.is_centred() || lens.has_mirror();
+        let is_general = !lens.is_round();
         let rear = if is_general { f64::NEG_INFINITY } else { lens.rear().vertex };
         Self { foremost: surface.sagitta_range()[1], surface, is_general, path, rear }
     }

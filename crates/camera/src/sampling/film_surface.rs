@@ -86,6 +86,11 @@ impl FilmSurface {
         self.rotation[2][2] == 1.0 && self.curvature == 0.0
     }
 
+    /// Returns whether the surface is symmetric in x, and in y.
+    pub fn symmetries(&self) -> [bool; 2] {
+        [0, 1].map(|axis| self.shift[axis] == 0.0 && self.rotation[axis][2] == 0.0)
+    }
+
     /// Returns x and y in space, mm, of a point of the flat film, and the distance by which the point lies in
     /// front of the plane through the film's centre perpendicular to the axis.
     pub fn point(&self, flat: [f64; 2]) -> ([f64; 2], f64) {

@@ -99,10 +99,10 @@ impl PosedPupil {
             }
             for u in 0..U {
                 (rays[u].slopes, rays[u].area_per_pi) = table.at(cpu, &locations[u], rays[u].disk);
-                if !L::all(locations[u].inside) {
+                if !L::all(locations[u].inside()) {
                     let (at, disk) = (&points[u], rays[u].disk);
                     let aimed = constants.disk.lanes_ahead(cpu, at.point, at.ahead, disk);
-                    rays[u].replace(locations[u].inside, aimed);
+                    rays[u].replace(locations[u].inside(), aimed);
                 }
             }
         } else {
@@ -144,7 +144,7 @@ impl PosedPupil {
             }
             let areas = table.areas(cpu, &locations, &slopes);
             for u in 0..U {
-                rays[u].area_per_pi = L::select(locations[u].inside, areas[u], rays[u].area_per_pi);
+                rays[u].area_per_pi = L::select(locations[u].inside(), areas[u], rays[u].area_per_pi);
             }
         }
         let mut flat_per_area = [found[0].flat_per_area; U];

@@ -241,7 +241,7 @@ fn exposure(given: &Parameters) -> Result<f64, CameraError> {
 /// has mirrors.
 fn ghosts(given: &Parameters, film: &Film, lens: &Lens) -> Result<f64, CameraError> {
     let share = given.ghosts()?;
-    if share > 0.0 && (!lens.is_centred() || lens.has_mirror()) {
+    if share > 0.0 && !lens.is_round() {
         return Err(CameraError::GhostsOfGeneralLens { lens: lens.name.clone() });
     }
     if share > 0.0 && !film.surface().is_across() {

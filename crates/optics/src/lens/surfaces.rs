@@ -33,7 +33,8 @@ pub struct Surface {
     /// y.
     pub unsymmetric: Option<Arc<UnsymmetricFigure>>,
     /// Distance to the next vertex, mm, along z toward the film; 0 for the last surface. Negative only beside a plane
-    /// that only limits rays, and where light travels back between mirrors. This distance keeps digits that a difference between vertices would lose.
+    /// that only limits rays, and where light travels back between mirrors. This distance keeps digits that a
+    /// difference between vertices would lose.
     pub thickness: f64,
     /// Refractive index on the scene's side.
     pub n_scene: f64,
@@ -103,9 +104,14 @@ impl Surface {
         step * self.curvature_ahead(meridian)
     }
 
+    /// Returns whether light from the scene travels toward +z behind the surface.
+    pub fn is_reversed_behind(&self) -> bool {
+        self.is_reversed != self.is_mirror
+    }
+
     /// Returns the distance to the next vertex along light from the scene, mm.
     pub fn distance_behind(&self) -> f64 {
-        if self.is_reversed != self.is_mirror { -self.thickness } else { self.thickness }
+        if self.is_reversed_behind() { -self.thickness } else { self.thickness }
     }
 
     /// Returns the sagitta, mm: the z of the surface at the distance `height` from the axis minus the z of the vertex,
@@ -348,6 +354,11 @@ impl Lens {
         self.film_break.is_none() && self.surfaces.iter().all(is_round)
     }
 
+    /// Returns whether all surfaces are symmetric about one axis and refract.
+    pub fn is_round(&self) -> bool {
+        self.is_centred() && !self.has_mirror()
+    }
+
     /// Returns whether the lens has a mirror.
     pub fn has_mirror(&self) -> bool {
         self.surfaces.iter().any(|surface| surface.is_mirror)
@@ -366,15 +377,21 @@ impl Lens {
     /// Returns the frames of the surfaces and then that of the film, as changes from the camera's frame, in which z points
     /// toward the film. The film's frame has its origin where the film distance begins.
     pub fn frames(&self) -> Vec<CoordinateBreak> {
-        let breaks = self.surfaces.iter().map(|surface| surface.coordinate_break).chain([self.film_break]);
-        let gaps = std::iter::once(0.0).chain(self.surfaces.iter().map(|surface| surface.thickness));
         let mut frame = CoordinateBreak::NONE;
-        let next = |(own, gap): (Option<CoordinateBreak>, f64)| {
-            frame = frame.then(&CoordinateBreak::shifted([0.0, 0.0, gap]));
+        let next = |(gap, own): (CoordinateBreak, Option<CoordinateBreak>)| {
+            frame = frame.then(&gap);
             frame = own.map_or(frame, |own| frame.then(&own));
             frame
         };
-        breaks.zip(gaps).map(next).collect()
+        self.gaps_and_breaks().map(next).collect()
+    }
+
+    /// Returns, for each surface and then for the film, the shift along z from the previous vertex and the change of
+    /// frame behind that shift.
+    pub(crate) fn gaps_and_breaks(&self) -> impl Iterator<Item = (CoordinateBreak, Option<CoordinateBreak>)> {
+        let breaks = self.surfaces.iter().map(|surface| surface.coordinate_break).chain([self.film_break]);
+        let gaps = std::iter::once(0.0).chain(self.surfaces.iter().map(|surface| surface.thickness));
+        gaps.map(|gap| CoordinateBreak::shifted([0.0, 0.0, gap])).zip(breaks)
     }
 
     /// Returns a point of image space in lens space.
@@ -400,8 +417,7 @@ impl Lens {
     /// Returns a sagitta of the rear surface, positive toward the scene in lens space, in image space, where z points
     /// from the film along the light's way back (see `trace::path`).
     pub fn rear_sagitta(&self, sagitta: f64) -> f64 {
-        let rear = self.rear();
-        if rear.is_reversed != rear.is_mirror { -sagitta } else { sagitta }
+        if self.rear().is_reversed_behind() { -sagitta } else { sagitta }
     }
 
     /// Returns, in image space, the point (x, y) of the rear surface with this sagitta, all in the surface's frame.

@@ -1,7 +1,8 @@
 //! The figure of a surface that is not symmetric about its axis, with bounds on its sagitta, slopes and second
 //! derivatives over the clear aperture and a region around it.
 //!
-//! **The bounds are proven.** The region is divided into squares. On each square the formula of the surface is evaluated
+//! **The bounds are proven.** Every figure is symmetric in x and in y, so that a quarter of the region has all of its
+//! bounds. It is divided into squares. On each square the formula of the surface is evaluated
 //! with intervals that carry derivatives ([`Hessian`] of [`Interval`]s), whose roundings are directed outward.
 
 use realistic_base::numeric::{Hessian, Interval};
@@ -35,8 +36,8 @@ pub struct RegionBounds {
     pub curvature: [f64; 2],
 }
 
-/// Number of squares along a side of a region.
-const SQUARES: u32 = 48;
+/// Number of squares along a side of the quarter of a region.
+const SQUARES: u32 = 24;
 /// Possible reaches in clear semi-diameters. The largest at which the figure has bounds is used.
 const REACHES: [f64; 4] = [3.0, 2.0, 1.5, 1.2];
 
@@ -53,7 +54,7 @@ impl UnsymmetricFigure {
 
     /// Returns z at (x, y), mm; NaN where the surface ends.
     pub fn sagitta(&self, point: [f64; 2]) -> f64 {
-        self.surface.constants(1.0, |number| number).sagitta(point)
+        self.surface.constants(1.0).sagitta(point)
     }
 
     /// Returns the cylinder that the figure is, if it is one without terms.
@@ -65,10 +66,9 @@ impl UnsymmetricFigure {
 impl RegionBounds {
     /// Returns the bounds in the circle of this radius around the axis.
     pub fn of(surface: &Unsymmetric, radius: f64) -> Self {
-        let constants = surface.constants(1.0, |number| number);
-        let edge = |i: u32| radius * (2.0 * f64::from(i) / f64::from(SQUARES) - 1.0);
+        let constants = surface.constants(1.0);
+        let edge = |i: u32| radius * (f64::from(i) / f64::from(SQUARES));
         let side = |i: u32| Interval { low: edge(i), high: edge(i + 1) };
-        let nearest = |side: Interval| side.low.max(-side.high).max(0.0);
         let mut all = Self {
             sagitta: [f64::INFINITY, f64::NEG_INFINITY],
             slope: 0.0,
@@ -77,7 +77,7 @@ impl RegionBounds {
         for i in 0..SQUARES {
             for j in 0..SQUARES {
                 let square = [side(i), side(j)];
-                if nearest(square[0]).hypot(nearest(square[1])) <= radius {
+                if square[0].low.hypot(square[1].low) <= radius {
                     all.widen(&constants, square);
                 }
             }

@@ -91,10 +91,7 @@ mod tests {
 
     #[test]
     fn the_round_lenses_are_those_without_cylinders_tilts_and_mirrors() {
-        let is_round = |name: &&str| {
-            let lens = find(name).expect("listed");
-            lens.is_centred() && lens.interfaces.iter().all(|interface| !interface.is_mirror)
-        };
+        let is_round = |name: &&str| find(name).expect("listed").is_round();
         assert!(round().eq(names().filter(is_round)));
     }
 

@@ -53,8 +53,8 @@ impl CoordinateBreak {
         Self::shifted([x, y, 0.0]).then(&Self::tilted(degrees))
     }
 
-    /// Returns this change followed by `next`, which is given in the new frame. Rounding errors of the rotation are
-    /// removed where it is none.
+    /// Returns this change followed by `next`, which is given in the new frame. A result that turns nothing but
+    /// for rounding errors is an exact shift.
     #[must_use]
     pub fn then(&self, next: &Self) -> Self {
         let moved = self.turned(next.shift);

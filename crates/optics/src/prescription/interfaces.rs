@@ -306,6 +306,11 @@ impl Prescription {
         self.film_break.is_none() && self.interfaces.iter().all(is_round)
     }
 
+    /// Returns whether all surfaces are symmetric about one axis and refract, whatever the apertures.
+    pub fn is_round(&self) -> bool {
+        self.is_centred() && self.interfaces.iter().all(|interface| !interface.is_mirror)
+    }
+
     /// Returns the lens with other gaps, mm, behind the rows `rows`. The gap of the last row, before the film, is not
     /// part of the lens and stays unchanged.
     pub fn with_gaps(&self, rows: &[usize], gaps: &[f64]) -> Self {

@@ -129,24 +129,24 @@ impl Unsymmetric {
         }
     }
 
-    /// Returns the constants of the surface with z reversed if `sign` is -1, as numbers of the type that `number` makes.
-    pub fn constants<N>(&self, sign: f64, number: impl Fn(f64) -> N) -> UnsymmetricConstants<N> {
+    /// Returns the constants of the surface, with z reversed if `sign` is -1.
+    pub fn constants(&self, sign: f64) -> UnsymmetricConstants<f64> {
         match self {
             Self::Toroid(Toroid { meridian, radius, conic, terms, rotation_radius }) => {
                 let c = sign * radius.recip();
                 UnsymmetricConstants::Toroid {
                     is_in_x: *meridian == Meridian::X,
-                    one: number(1.0),
-                    c: number(c),
-                    bend: number((1.0 + conic) * c * c),
-                    terms: terms.map(|term| number(sign * term)),
-                    rotation: number(sign * rotation_radius.recip()),
+                    one: 1.0,
+                    c,
+                    bend: (1.0 + conic) * c * c,
+                    terms: terms.map(|term| sign * term),
+                    rotation: sign * rotation_radius.recip(),
                 }
             }
             Self::Biconic(Biconic { radii, conics }) => {
                 let c = radii.map(|radius| sign * radius.recip());
                 let bend = [0, 1].map(|i| (1.0 + conics[i]) * c[i] * c[i]);
-                UnsymmetricConstants::Biconic { one: number(1.0), c: c.map(&number), bend: bend.map(number) }
+                UnsymmetricConstants::Biconic { one: 1.0, c, bend }
             }
         }
     }
@@ -182,6 +182,23 @@ pub enum UnsymmetricConstants<N> {
 }
 
 impl<N: Copy> UnsymmetricConstants<N> {
+    /// Returns the constants as numbers of another type.
+    pub fn map<M>(&self, number: impl Fn(N) -> M) -> UnsymmetricConstants<M> {
+        match *self {
+            Self::Toroid { is_in_x, one, c, bend, terms, rotation } => UnsymmetricConstants::Toroid {
+                is_in_x,
+                one: number(one),
+                c: number(c),
+                bend: number(bend),
+                terms: terms.map(&number),
+                rotation: number(rotation),
+            },
+            Self::Biconic { one, c, bend } => {
+                UnsymmetricConstants::Biconic { one: number(one), c: c.map(&number), bend: bend.map(&number) }
+            }
+        }
+    }
+
     /// Returns z at (x, y). The numbers may be plain, carry derivatives, or be intervals.
     ///
     /// The toroid is z = f + x² ρ/(1 + √(1 - x² ρ²)), where ρ = 1/(R - f): no digits cancel, and R may be infinite.

@@ -1,5 +1,6 @@
 //! The pupils of the points of a rectangle of film, tabulated by x and y, for lenses and films without
-//! rotational symmetry.
+//! rotational symmetry. Where both are symmetric in x, only points with x >= 0 are tabulated; a point on the
+//! other side has the reflected pupil. The same holds for y.
 
 use super::{
     Grid, GridLocation, MapConstants, MapFailure, PupilFilmSide, PupilMap,
@@ -16,6 +17,9 @@ const LEAST_INTERVALS: usize = 4;
 /// The true pupil of every point of a rectangle of film. Immutable once built.
 #[derive(Clone, Debug)]
 pub struct RectanglePupil {
+    /// Whether points with negative x, and y, are reflected.
+    reflects: [bool; 2],
+    /// The tabulated rectangle.
     corner: [f64; 2],
     size: [f64; 2],
     /// Number of columns per mm.
@@ -30,6 +34,30 @@ struct Rectangle {
     surface: FilmSurface,
     corner: [f64; 2],
     size: [f64; 2],
+    intervals: [usize; 2],
+}
+
+/// Points of the film in the tabulated rectangle.
+#[derive(Clone, Copy)]
+pub struct RectangleLocation<L: Lanes> {
+    /// The points in the grid.
+    grid: GridLocation<L>,
+    /// -1 where x, and y, was reflected, else 1.
+    signs: [L; 2],
+}
+
+impl<L: Lanes> RectangleLocation<L> {
+    /// Lanes whose points lie inside the rectangle.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn inside(&self) -> L::Mask {
+        self.grid.inside
+    }
+
+    /// Reflects vectors as the points were.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn reflected(&self, [x, y]: [L; 2]) -> [L; 2] {
+        [x * self.signs[0], y * self.signs[1]]
+    }
 }
 
 impl Family for Rectangle {
@@ -48,9 +76,7 @@ impl Family for Rectangle {
     }
 
     fn intervals(&self) -> [usize; 2] {
-        // Half as many as over film radii: the table stays in a second-level cache, and is built in a quarter
-        // of the time.
-        [(self.side.intervals() / 2).max(LEAST_INTERVALS); 2]
+        self.intervals
     }
 }
 
@@ -63,15 +89,30 @@ impl RectanglePupil {
         path: &Path,
         film: f64,
         surface: &FilmSurface,
-        [corner, size]: [[f64; 2]; 2],
+        [mut corner, mut size]: [[f64; 2]; 2],
         [cover, exit]: [PupilDisk; 2],
     ) -> Self {
         let side = PupilFilmSide::new(path, film, [cover, exit]);
-        let family = Rectangle { side, surface: *surface, corner, size };
-        let [along, columns] = family.intervals();
+        // Half as many as over film radii: the table stays in a second-level cache, and is built in a quarter
+        // of the time.
+        let whole = (side.intervals() / 2).max(LEAST_INTERVALS);
+        let (of_lens, of_film) = (path.symmetries(), surface.symmetries());
+        let (mut reflects, mut intervals) = ([false; 2], [whole; 2]);
+        for axis in 0..2 {
+            let [low, high] = [corner[axis], corner[axis] + size[axis]];
+            if of_lens[axis] && of_film[axis] && low < 0.0 && 0.0 < high {
+                (reflects[axis], corner[axis]) = (true, 0.0);
+                let part = high.max(-low) / size[axis];
+                size[axis] *= part;
+                intervals[axis] = (part * whole as f64).ceil() as usize;
+            }
+        }
+        let family = Rectangle { side, surface: *surface, corner, size, intervals };
+        let [along, columns] = intervals;
         let grid = Grid::new(&family);
         let covered = grid.gaps.iter().filter(|gap| gap.reason != MapFailure::Gaps).count();
         Self {
+            reflects,
             corner,
             size,
             per_mm: columns as f64 / size[1],
@@ -97,24 +138,37 @@ impl RectanglePupil {
         &self,
         cpu: Cpu<L>,
         constants: &MapConstants<L::Scalar>,
-        [x, y]: [L; 2],
-    ) -> GridLocation<L> {
+        [mut x, mut y]: [L; 2],
+    ) -> RectangleLocation<L> {
         let number = |number: f64| L::splat(cpu, L::Scalar::from_f64(number));
-        let (zero, [width, height]) = (number(0.0), self.size.map(number));
+        let (zero, one, [width, height]) = (number(0.0), number(1.0), self.size.map(number));
+        let mut signs = [one; 2];
+        if self.reflects[0] {
+            (x, signs[0]) = (x.abs(), L::select(x.less(zero), zero - one, one));
+        }
+        if self.reflects[1] {
+            (y, signs[1]) = (y.abs(), L::select(y.less(zero), zero - one, one));
+        }
         let (along, up) = (x - number(self.corner[0]), y - number(self.corner[1]));
         let is_across = L::both(zero.less_equal(along), along.less_equal(width));
         let inside = L::both(is_across, L::both(zero.less_equal(up), up.less_equal(height)));
         // In this order NaN becomes 0.
         let along = along.larger(zero).smaller(width);
         let location = self.map.locate_in_rectangle(cpu, constants, along, up * number(self.per_mm));
-        GridLocation { inside, ..location }
+        RectangleLocation { grid: GridLocation { inside, ..location }, signs }
     }
 
     /// Returns the slopes that correspond to points of the unit disk, at located points of the film, and the
     /// area per sample divided by π.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn at<L: Lanes>(&self, cpu: Cpu<L>, location: &GridLocation<L>, disk: [L; 2]) -> ([L; 2], L) {
-        self.map.at(cpu, location, disk)
+    pub(crate) fn at<L: Lanes>(
+        &self,
+        cpu: Cpu<L>,
+        location: &RectangleLocation<L>,
+        disk: [L; 2],
+    ) -> ([L; 2], L) {
+        let (slopes, area) = self.map.at(cpu, &location.grid, location.reflected(disk));
+        (location.reflected(slopes), area)
     }
 
     /// Returns the areas per sample, divided by π, of rays with these slopes from located points of the film;
@@ -123,10 +177,14 @@ impl RectanglePupil {
     pub(crate) fn areas<L: Lanes, const U: usize>(
         &self,
         cpu: Cpu<L>,
-        locations: &[GridLocation<L>; U],
+        locations: &[RectangleLocation<L>; U],
         slopes: &[[L; 2]; U],
     ) -> [L; U] {
-        self.map.areas(cpu, locations, slopes)
+        let (mut grid, mut points) = ([locations[0].grid; U], [locations[0].reflected(slopes[0]); U]);
+        for u in 1..U {
+            (grid[u], points[u]) = (locations[u].grid, locations[u].reflected(slopes[u]));
+        }
+        self.map.areas(cpu, &grid, &points)
     }
 }
 
@@ -172,6 +230,42 @@ mod tests {
             }
             assert!((areas[1] / areas[0] - 1.0).abs() < 2e-3, "{point:?}: {areas:?}");
             assert!(passing[1] > SAMPLES * 98 / 100, "{point:?}: {passing:?}");
+        }
+    }
+
+    #[test]
+    fn reflected_points_have_reflected_samples_where_lens_and_film_are_symmetric() {
+        // A film that is tilted about the x axis is symmetric in x alone.
+        let tilted = FilmSurface::new([0.0; 2], [4.0, 0.0], f64::INFINITY);
+        for (name, surface, is_even) in
+            [("dgauss.50mm", tilted, [true, false]), ("anamorphic.129mm", FilmSurface::FLAT, [true, true])]
+        {
+            let lens = Lens::at_d_line(&catalogue::find(name).expect("listed"));
+            let film = FirstOrder::of(&lens).expect("not afocal").rear_focal_point;
+            let path = Path::film_to_scene(&lens);
+            let disks = [PupilDisk::rear(&lens, film, 12.0).expect("behind"), PupilDisk::exit(&lens, film)];
+            let pupil = PosedPupil::new(&path, film, &surface, [[-10.0, -6.0], [20.0, 14.0]], disks);
+            let (mut passing, mut all) = (0, 0);
+            for i in 0..2000_u32 {
+                let at = |step: usize| (0.5 + f64::from(i) * STEPS[step]).fract();
+                let (radius, angle) = (at(2).sqrt(), std::f64::consts::TAU * at(3));
+                let disk = [radius * angle.cos(), radius * angle.sin()];
+                let flat = [10.0 * at(0), 6.0 * at(1)];
+                let (point, sample) = pupil.sample(flat, disk).expect("lit");
+                for axis in 0..2 {
+                    let reflected = |mut pair: [f64; 2]| {
+                        pair[axis] = -pair[axis];
+                        pair
+                    };
+                    let (other, image) = pupil.sample(reflected(flat), reflected(disk)).expect("lit");
+                    let same = (reflected(other), reflected(image.slopes), image.area)
+                        == (point, sample.slopes, sample.area);
+                    assert_eq!(same, is_even[axis], "{name} {flat:?} {disk:?} {axis}");
+                    all += 1;
+                    passing += u32::from(path.trace(film_ray(other, film, image.slopes)).is_ok());
+                }
+            }
+            assert!(passing > all * 95 / 100, "{name}: {passing} of {all}");
         }
     }
 }

@@ -282,7 +282,7 @@ fn surface(
     Ok((surface, layers))
 }
 
-/// Returns the cylinder of a form; `None` if the form is none. The axis of the cylinder is straight: along y it bends light
+/// Returns the cylinder of a form; `None` for other forms. The axis of the cylinder is straight: along y it bends light
 /// in x.
 fn cylinder(form: Part<'_>, number: &str, radius: f64) -> Result<Option<Unsymmetric>, LensFileError> {
     if form.string("type")? != Some("cylindrical") {

@@ -21,7 +21,7 @@ use super::{
     text::{Text, title},
 };
 use crate::prescription::{
-    Fate, LensFileError, MAX_INTERFACES,
+    Fate, LensFileError, MAX_INTERFACES, PROFILE_TERMS,
     glass::GlassLibrary,
     interfaces::{Medium, Prescription},
 };
@@ -150,6 +150,24 @@ fn place(part: Part<'_>, number: String, size: Option<&str>, thickness: Option<&
 /// Returns the error that a surface of the lens is something that is not traced. `what` follows "surface 3 ".
 fn refused(part: Part<'_>, number: &str, what: impl AsRef<str>) -> LensFileError {
     part.error(format!("surface {} {}", cut(number), what.as_ref()))
+}
+
+/// Returns the terms of a toroid's profile, of which the file states those of y², y⁴, ….
+///
+/// # Errors
+/// There are more terms than are traced.
+fn profile_terms(
+    part: Part<'_>,
+    number: &str,
+    stated: Vec<f64>,
+) -> Result<[f64; PROFILE_TERMS], LensFileError> {
+    let mut terms = [0.0; PROFILE_TERMS];
+    for (i, value) in stated.into_iter().enumerate().filter(|(_, value)| *value != 0.0) {
+        let beyond =
+            || refused(part, number, "is a toroid with terms beyond the 14th power; 7 terms are traced");
+        *terms.get_mut(i).ok_or_else(beyond)? = value;
+    }
+    Ok(terms)
 }
 
 /// The advice for surfaces that are not symmetric about the lens's axis.

@@ -7,10 +7,10 @@
 
 use super::{
     NamedGlasses, Part, by_name, by_numbers, check_image, curvature, fates::NoEffect, finished,
-    object_own_image, place, refused, title,
+    object_own_image, place, profile_terms, refused, title,
 };
 use crate::prescription::{
-    Aperture as Outline, CoordinateBreak, Fate, LensFileError, Outline as Figure, PROFILE_TERMS,
+    Aperture as Outline, CoordinateBreak, Fate, LensFileError, Outline as Figure,
     glass::GlassLibrary,
     interfaces::{Asphere, Medium, NO_TERMS, Prescription},
     reader::{
@@ -305,7 +305,7 @@ fn figure(part: Part<'_>, number: &str) -> Result<(f64, Option<Asphere>), LensFi
     Ok((curvature, asphere(conic, terms)))
 }
 
-/// Returns the toroid of a geometry; `None` if the geometry is none.
+/// Returns the toroid of a geometry; `None` for other geometries.
 fn toroid(part: Part<'_>, number: &str) -> Result<Option<Unsymmetric>, LensFileError> {
     if part.string("type")? != Some("ToroidalGeometry") {
         return Ok(None);
@@ -314,13 +314,7 @@ fn toroid(part: Part<'_>, number: &str) -> Result<Option<Unsymmetric>, LensFileE
         let radius = part.number_or_infinity(key)?.unwrap_or(f64::INFINITY);
         Ok(if radius == 0.0 { f64::INFINITY } else { radius })
     };
-    let mut terms = [0.0; PROFILE_TERMS];
-    let stated = part.numbers("coeffs_poly_y")?;
-    for (i, value) in stated.into_iter().enumerate().filter(|(_, value)| *value != 0.0) {
-        let beyond =
-            || refused(part, number, "is a toroid with terms beyond the 14th power; 7 terms are traced");
-        *terms.get_mut(i).ok_or_else(beyond)? = value;
-    }
+    let terms = profile_terms(part, number, part.numbers("coeffs_poly_y")?)?;
     Ok(Some(Unsymmetric::Toroid(Toroid {
         meridian: Meridian::Y,
         radius: radius("radius_y")?,

@@ -8,10 +8,10 @@
 
 use super::{
     NamedGlasses, Part, by_name, by_numbers, check_image, fates::NoEffect, finished, object_own_image,
-    refused, title,
+    profile_terms, refused, title,
 };
 use crate::prescription::{
-    Aperture as Outline, CoordinateBreak, Fate, LensFileError, Outline as Figure, PROFILE_TERMS,
+    Aperture as Outline, CoordinateBreak, Fate, LensFileError, Outline as Figure,
     glass::{GlassLibrary, VALID_WAVELENGTHS},
     interfaces::{Asphere, LAST_POWER, Medium, NO_TERMS, Prescription},
     reader::{
@@ -356,7 +356,7 @@ fn decentre(
     decentre_and_tilts(shift, tilts, behind, is_mirror).map_err(|what| refused(part, number, what))
 }
 
-/// Returns the toroid of a profile; `None` if the profile is none.
+/// Returns the toroid of a profile; `None` for other profiles.
 fn toroid(part: Part<'_>, number: &str) -> Result<Option<Unsymmetric>, LensFileError> {
     let [_, kind] = class(part);
     let meridian = match kind {
@@ -370,12 +370,7 @@ fn toroid(part: Part<'_>, number: &str) -> Result<Option<Unsymmetric>, LensFileE
     let [radius, rotation_radius] =
         [number_of("cv")?, number_of("cR")?].map(|cv| cv.abs().recip().copysign(cv));
     let conic = own.number("ec")?.map_or_else(|| number_of("cc"), |ec| Ok(ec - 1.0))?;
-    let mut terms = [0.0; PROFILE_TERMS];
-    for (i, value) in array(own, "coefs")?.into_iter().enumerate().filter(|(_, value)| *value != 0.0) {
-        let beyond =
-            || refused(part, number, "is a toroid with terms beyond the 14th power; 7 terms are traced");
-        *terms.get_mut(i).ok_or_else(beyond)? = value;
-    }
+    let terms = profile_terms(part, number, array(own, "coefs")?)?;
     Ok(Some(Unsymmetric::Toroid(Toroid { meridian, radius, conic, terms, rotation_radius })))
 }
 

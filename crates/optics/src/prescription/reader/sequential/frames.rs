@@ -115,7 +115,7 @@ impl Frames {
     }
 }
 
-/// What becomes of a decentre and tilts behind their surface.
+/// Effect of a decentre and tilts behind their surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in super::super) enum Behind {
     /// They stay for the surfaces that follow.
