@@ -1,4 +1,5 @@
 """Makes the extension's zip: the code and, for every lens of the catalogue, a shader, a cross-section and its facts.
+Lenses that are not round have no shader and are left out.
 
     python3 blender/make_extension.py OUT.zip [PROGRAM]
 
@@ -41,7 +42,8 @@ def lens(program: str, name: str, folder: Path) -> dict[str, object]:
 def main(out: Path, program: str) -> None:
     """Writes the extension's zip."""
     # The list has a heading and one line per lens.
-    names = [line.split()[0] for line in run(program, "lens", "--list").splitlines()[1:]]
+    listed = [line.split()[0] for line in run(program, "lens", "--list").splitlines()[1:]]
+    names = [name for name in listed if json.loads(run(program, "lens", name, "--json"))["is_round"]]
     with tempfile.TemporaryDirectory() as made, ThreadPoolExecutor(cpu_count()) as pool:
         folder = Path(made)
         facts = dict(zip(names, pool.map(lambda name: lens(program, name, folder), names)))

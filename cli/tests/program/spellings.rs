@@ -100,7 +100,7 @@ fn a_key_has_the_same_value_in_all_reports() {
     }
     for (key, values) in &known {
         let close = |value: &Value| match (value.as_f64(), values[0].as_f64()) {
-            (Some(a), Some(b)) => (a / b - 1.0).abs() < 1e-9,
+            (Some(a), Some(b)) => (a - b).abs() <= 1e-9 * b.abs(),
             _ => *value == values[0],
         };
         assert!(values.iter().all(close), "{key}: {values:?}");

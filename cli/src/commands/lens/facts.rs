@@ -46,6 +46,7 @@ impl Facts {
                 format!("{} nm", as_given(lens.wavelength)),
                 json!({ "wavelength": lens.wavelength }),
             ),
+            shape(lens),
             media(lens),
         ];
         facts.extend(first_order(optics, *stated));
@@ -68,6 +69,20 @@ impl Facts {
         let lines = self.0.iter().filter_map(|fact| Some((fact.name, fact.text.as_ref()?)));
         lines.map(|(name, text)| format!("{name:<17} {text}\n")).collect()
     }
+}
+
+/// Returns in which ways the lens is not round; there is no text for a round lens.
+fn shape(lens: &Lens) -> Fact {
+    let mirrors = lens.surfaces.iter().filter(|surface| surface.is_mirror).count();
+    let tilted = (!lens.is_centred()).then(|| "tilted, decentred or cylindrical surfaces".to_owned());
+    let reflecting =
+        (mirrors > 0).then(|| format!("{mirrors} mirror{}", if mirrors == 1 { "" } else { "s" }));
+    let parts: Vec<_> = tilted.into_iter().chain(reflecting).collect();
+    fact(
+        "not round",
+        (!parts.is_empty()).then(|| parts.join(", ")),
+        json!({ "is_round": lens.is_round(), "mirrors": mirrors }),
+    )
 }
 
 /// Returns the refractive indices in front of the lens and behind it; there is no text for a lens in air.
