@@ -21,6 +21,7 @@ use commands::pictures::{focus_stack, merge, render};
 use commands::{
     blender, convert, disks, draw, flare, focus, install, lens, lenses, plan, pupil, refractions, report,
     trace,
+    waves::{mtf, psf},
 };
 use failure::Failure;
 use realistic_optics::prescription::catalogue;
@@ -72,6 +73,10 @@ enum Command {
     Focus(focus::Args),
     /// Show the true pupil of a film point
     Pupil(pupil::Args),
+    /// Compute the picture of a point, with diffraction
+    Psf(psf::Args),
+    /// Compute the contrast of fine detail, with diffraction and by rays alone
+    Mtf(mtf::Args),
     /// Show the parts that a camera keeps and leaves out, and the time saved
     Plan(plan::Args),
     /// Render the same picture focused from near to far
@@ -165,6 +170,8 @@ fn main() -> ExitCode {
         Some(Command::Flare(args)) => flare::run(args),
         Some(Command::Focus(args)) => focus::run(args),
         Some(Command::Pupil(args)) => pupil::run(args),
+        Some(Command::Psf(args)) => psf::run(args),
+        Some(Command::Mtf(args)) => mtf::run(args),
         Some(Command::Plan(args)) => plan::run(args),
         Some(Command::FocusStack(args)) => focus_stack::run(args),
         Some(Command::Disks(args)) => disks::run(args),

@@ -388,6 +388,15 @@ impl OpenedLens {
         Ok((lens, film_distance))
     }
 
+    /// Returns the lens as it is set, at another wavelength, nm.
+    ///
+    /// # Errors
+    /// As for [`open_lens`].
+    pub fn at_wavelength(&self, wavelength: f64) -> Result<Lens, Failure> {
+        let parameters = Parameters { wavelength: Some(wavelength), ..self.parameters.clone() };
+        Ok(open_lens(&parameters, &self.host, &mut |_, _| ())?.1)
+    }
+
     /// Returns the film's diagonal, mm: the given one, or else the one that [`size_film`] chooses.
     pub fn film_diagonal(&self) -> f64 {
         let mut parameters = self.parameters.clone();

@@ -4,7 +4,8 @@ use crate::arguments::{LensChoice, OpenedLens, size};
 use crate::console;
 use crate::export::{
     ChiefField, Errors, FieldError, Film, Fitted, Focus, Illumination, LensData, LensExposure, Map, Model,
-    Quantity, Report, Spot, ftheta_usda, opencv_yaml, opentrackio_json, rays, spots, st_maps, usda,
+    PlaneField, Quantity, Report, Spot, ftheta_usda, opencv_yaml, opentrackio_json, rays, spots, st_maps,
+    usda,
 };
 use crate::failure::Failure;
 use crate::files;
@@ -149,7 +150,6 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         check_memory(args.size, 4 * 6 * 4)?;
     }
     let lens = &opened.lens;
-    Failure::unless_round(lens, "export, whose fields depend on the distance from the axis alone,")?;
     let film_distance = opened.film_distance()?;
     let diagonal = opened.film_diagonal();
     let film = |lens: &Lens, film_distance: f64| Film {
@@ -158,6 +158,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         z: lens.rear().vertex - film_distance,
     };
     let here = film(lens, film_distance);
+    if !lens.is_round() {
+        return run_in_plane(args, lens, here, film_distance, out);
+    }
     let field = ChiefField::new(lens, here, RINGS)?;
     let fitted = format.model().map(|model| model.fitted(&field));
     let errors = match (format, &fitted) {
@@ -277,6 +280,71 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         None => report.text().lines().for_each(console::note),
     }
     Ok(())
+}
+
+/// Exports a lens that is not round: maps, which need no model.
+fn run_in_plane(
+    args: &Args,
+    lens: &Lens,
+    film: Film,
+    film_distance: f64,
+    out: Option<&Path>,
+) -> Result<(), Failure> {
+    let format = args.format;
+    if !matches!(format, ExportFormat::StMap | ExportFormat::Rays) {
+        let what = format!("--as {}, which depends on the distance from the axis alone,", format.name());
+        Failure::unless_round(lens, &what)?;
+    }
+    let field = PlaneField::new(lens, film);
+    let dark = || Failure::from(FieldError::Dark(lens.name.clone()));
+    let scales = field.central_scales().ok_or_else(dark)?;
+    let mut files = Vec::new();
+    if let Some(out) = out {
+        match format {
+            ExportFormat::Rays => {
+                field.rays().write(out)?;
+                files.push(out.to_owned());
+            }
+            _ => {
+                for (map, direction) in field.st_maps(scales).iter().zip(["undistort", "distort"]) {
+                    let path = beside(out, direction);
+                    map.write(&path)?;
+                    files.push(path);
+                }
+            }
+        }
+    }
+    let names: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
+    let text = if args.json {
+        let report = json!({
+            "as": format.name(),
+            "ray": "chief",
+            "name": lens.name,
+            "wavelength": lens.wavelength,
+            "film_distance": film_distance,
+            "film_diagonal": film.diagonal,
+            "size_px": film.size,
+            "pixel_mm": film.pixel(),
+            "pinhole_focal_length_x_px": scales[0],
+            "pinhole_focal_length_y_px": scales[1],
+            "lit_share_of_film": field.share(),
+            "files": names,
+        });
+        format!("{report:#}\n")
+    } else {
+        format!(
+            "lens              {}\n\
+             pinhole           focal lengths {:.3} pixels along x and {:.3} along y, in the middle of the film\n\
+             film              {:.1} % has chief rays\n\
+             written           {}\n",
+            lens.name,
+            scales[0],
+            scales[1],
+            100.0 * field.share(),
+            names.join(", ")
+        )
+    };
+    Ok(console::answer(&text, out)?)
 }
 
 /// Returns the output, which is a file or standard output; `None` with --json alone.

@@ -17,3 +17,4 @@ pub mod pupil;
 pub mod refractions;
 pub mod report;
 pub mod trace;
+pub mod waves;

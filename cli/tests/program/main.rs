@@ -14,6 +14,7 @@ mod reports;
 mod spellings;
 mod tiles;
 mod unsymmetric;
+mod waves;
 mod wrong_uses;
 
 use std::io::Write;

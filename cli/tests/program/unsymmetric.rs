@@ -1,6 +1,11 @@
 //! Commands with lenses that are not round: what they report, draw and write, and what they refuse by name.
 
 use super::{fails, succeeds};
+use realistic_optics::{
+    lens::{Lens, Ray},
+    prescription::catalogue,
+    trace::Path,
+};
 use serde_json::Value;
 
 const LENSES: [&str; 3] = ["anamorphic.129mm", "anamorphic.42mm", "mirror.500mm"];
@@ -30,6 +35,10 @@ fn focal_lengths_of_both_meridians_are_those_of_the_patents() {
     assert!((mirror["focal_length_mm"].as_f64().expect("a length") - 999.639 / 2.0).abs() < 2e-3);
     assert!((mirror["back_focal_distance_mm"].as_f64().expect("a length") - 75.381 / 2.0).abs() < 1e-3);
     assert!(mirror.get("focal_length_x_mm").is_none(), "a lens of revolution");
+    assert_eq!((&mirror["is_round"], &mirror["mirrors"]), (&Value::from(false), &Value::from(2)));
+    assert!(succeeds(&["lens", "mirror.500mm"], "").contains("not round         2 mirrors\n"));
+    let round = json(&["lens", "dgauss.50mm", "--json"]);
+    assert_eq!((&round["is_round"], &round["mirrors"]), (&Value::from(true), &Value::from(0)));
 }
 
 #[test]
@@ -63,6 +72,86 @@ fn sections_are_drawn_in_both_meridians() {
 }
 
 #[test]
+fn maps_hold_the_exact_chief_rays_of_lenses_that_are_not_round() {
+    for name in LENSES {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("rays.npy");
+        let path = file.to_str().expect("text");
+        let words = ["export", name, "--as", "rays", "--size", "96x64", "--json", "-o", path];
+        let report = json(&words);
+        assert_eq!(report["lit_share_of_film"], 1.0, "{name}");
+        let bytes = std::fs::read(&file).expect("written");
+        let values: Vec<f32> = bytes[bytes.len() - 4 * 6 * 96 * 64..]
+            .chunks_exact(4)
+            .map(|four| f32::from_le_bytes(four.try_into().expect("four bytes")))
+            .collect();
+        // The ray of a pixel, sent back, comes from that pixel's film point: raster x grows against x of the film.
+        let prescription = catalogue::find(name).expect("listed");
+        let lens = Lens::at_d_line(&prescription);
+        let to_film = Path::<f64>::scene_to_film(&lens).without_edges();
+        let pixel = report["pixel_mm"].as_f64().expect("a number");
+        let film = lens.rear().vertex - report["film_distance"].as_f64().expect("a number");
+        for (column, row) in [(20_usize, 10_usize), (75, 12), (47, 31), (60, 55), (28, 40)] {
+            let ray: [f64; 6] = std::array::from_fn(|i| f64::from(values[6 * (96 * row + column) + i]));
+            let [x, y, z, dx, dy, dz] = ray;
+            let origin = [x + 200.0 * dx, y + 200.0 * dy, z + 200.0 * dz];
+            let Ray { origin, direction } = to_film
+                .trace(Ray { origin, direction: [-dx, -dy, -dz] })
+                .unwrap_or_else(|why| panic!("{name} {column} {row} {ray:?}: {why}"));
+            let along = (film - origin[2]) / direction[2];
+            let landing = [0, 1].map(|i| origin[i] + along * direction[i]);
+            let expected = [(47.5 - column as f64) * pixel, (row as f64 - 31.5) * pixel];
+            let miss = (landing[0] - expected[0]).hypot(landing[1] - expected[1]);
+            assert!(miss < 0.01 * pixel, "{name} {column} {row}: {miss} mm of {pixel}");
+        }
+    }
+}
+
+#[test]
+fn st_maps_of_an_anamorphic_lens_lead_there_and_back() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("st.npy");
+    let report = json(&[
+        "export",
+        "anamorphic.129mm",
+        "--as",
+        "st-map",
+        "--size",
+        "96x64",
+        "--json",
+        "-o",
+        path.to_str().expect("text"),
+    ]);
+    let [x, y] =
+        ["pinhole_focal_length_x_px", "pinhole_focal_length_y_px"].map(|key| report[key].as_f64().unwrap());
+    // Squeezed to a half along x.
+    assert!((y / x - 128.651 / 65.586).abs() < 0.02, "{x} {y}");
+    let maps = ["undistort", "distort"].map(|direction| {
+        let bytes = std::fs::read(path.with_extension(format!("{direction}.npy"))).expect("written");
+        let floats = bytes[bytes.len() - 4 * 3 * 96 * 64..].chunks_exact(4);
+        floats.map(|four| f32::from_le_bytes(four.try_into().expect("four bytes"))).collect::<Vec<f32>>()
+    });
+    for (column, row) in [(3_usize, 5_usize), (90, 60), (47, 31), (20, 40)] {
+        // From the lens's picture to the pinhole's by one map, and back by the other, interpolated.
+        let at = |map: &[f32], column: usize, row: usize| -> [f64; 2] {
+            let value = &map[3 * (96 * row + column)..][..3];
+            assert_eq!(value[2], 1.0, "{column} {row}");
+            [96.0 * f64::from(value[0]) - 0.5, 64.0 * (1.0 - f64::from(value[1])) - 0.5]
+        };
+        let [u, v] = at(&maps[1], column, row);
+        let (left, top) = (u.clamp(0.0, 94.0) as usize, v.clamp(0.0, 62.0) as usize);
+        let (a, b) = (u - left as f64, v - top as f64);
+        let back = [0, 1].map(|i| {
+            let corner = |dx: usize, dy: usize| at(&maps[0], left + dx, top + dy)[i];
+            (1.0 - b) * ((1.0 - a) * corner(0, 0) + a * corner(1, 0))
+                + b * ((1.0 - a) * corner(0, 1) + a * corner(1, 1))
+        });
+        let miss = (back[0] - column as f64).hypot(back[1] - row as f64);
+        assert!(miss < 0.02, "{column} {row}: {back:?}");
+    }
+}
+
+#[test]
 fn what_needs_a_round_lens_is_refused_by_name() {
     for name in LENSES {
         for (arguments, words) in [
@@ -77,7 +166,7 @@ fn what_needs_a_round_lens_is_refused_by_name() {
             ),
             (
                 &["export", name, "--as", "opencv"],
-                "export, whose fields depend on the distance from the axis alone",
+                "--as opencv, which depends on the distance from the axis alone, needs a lens whose surfaces are symmetric",
             ),
         ] {
             let message = fails(arguments, "", 1);

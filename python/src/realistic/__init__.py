@@ -13,6 +13,7 @@ from ._abi import version
 from ._ghosts import Ghost
 from ._lenses import LensRow, lenses
 from ._parameters import Parameters
+from ._waves import Psf, Wavefront, WaveMtf
 from .camera import Camera
 from .errors import (
     CameraWarning,
@@ -47,11 +48,14 @@ __all__ = [
     "OutOfMemoryError",
     "ParameterError",
     "Parameters",
+    "Psf",
     "Pupils",
     "Rays",
     "Reason",
     "Surface",
     "Table",
+    "WaveMtf",
+    "Wavefront",
     "catalogue",
     "farm",
     "lenses",

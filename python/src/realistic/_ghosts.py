@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-import json
-import subprocess
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ._export import _text
-from ._program import program
-from .errors import Error
+from ._program import report
 
 
 @dataclass(frozen=True)
@@ -34,19 +30,9 @@ class Ghost:
 
 def ghosts(parameters: Mapping[str, Any], light: Sequence[float], coating: str) -> tuple[Ghost, ...]:
     """Returns the ghosts that `realistic flare --json` reports for a lens, the brightest first."""
-    given = {"lens_file": "dgauss.50mm", **parameters}
-    lens_text = given.pop("lens_text", None)
-    if lens_text is not None:
-        given["lens_file"] = "-"
-    words = [f"--param={name}={_text(value)}" for name, value in given.items() if value is not None]
     at = ",".join(repr(float(number)) for number in light)
-    command = [str(program()), "flare", "--json", "--quiet", f"--light={at}", f"--coating={coating}"]
-    text = lens_text.encode() if isinstance(lens_text, str) else lens_text
-    completed = subprocess.run([*command, *words], input=text or b"", capture_output=True, check=False)
-    if completed.returncode != 0:
-        message = completed.stderr.decode(errors="replace").strip()
-        raise Error(message.removeprefix("realistic: error: ") or f"{command[0]} failed")
-    return tuple(_ghost(pair) for pair in json.loads(completed.stdout)["pairs"])
+    found = report(["flare", f"--light={at}", f"--coating={coating}"], parameters)
+    return tuple(_ghost(pair) for pair in found["pairs"])
 
 
 def _ghost(pair: Mapping[str, Any]) -> Ghost:

@@ -13,6 +13,7 @@ import numpy as np
 from ._abi import FocusedFilm, LensInfo, LensPointsView, LensRaysView, LensSurface, Vectors, library, text_of
 from ._ghosts import Ghost, ghosts
 from ._handle import Handle, build
+from ._waves import Psf, Wavefront, WaveMtf, mtf, psf
 from .errors import check, warn
 from .notebook import drawing
 from .parameters import checked, options_of
@@ -20,7 +21,7 @@ from .rays import view
 from .surfaces import Surface
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from numpy.typing import ArrayLike, NDArray
 
@@ -383,6 +384,87 @@ class Lens:
             If the program is not installed.
         """
         return ghosts(self._parameters, light, coating)
+
+    def psf(
+        self,
+        at: Sequence[float] = (0.0, 0.0),
+        *,
+        object_distance: float | None = None,
+        spectrum: Mapping[float, float] | None = None,
+        rays: int = 256,
+        pixels: int = 128,
+        pitch_um: float | None = None,
+    ) -> Psf:
+        """Returns the picture of a point, with diffraction, and its wavefront.
+
+        Parameters
+        ----------
+        at : sequence of float
+            Image point: x and y on the film in lens space, mm. The picture is upside down there.
+        object_distance : float, optional
+            Distance of the object from the film, mm, or infinity; that of the plane in focus by default.
+        spectrum : mapping, optional
+            Weights by wavelengths in nm; the lens's own wavelength by default. Powers of wavelengths are added.
+        rays : int
+            Number of rows of rays, and of rays in each row, 16 to 2048.
+        pixels : int
+            Number of pixels along a side, 8 to 1024.
+        pitch_um : float, optional
+            Side of a pixel, micrometres; a quarter of the wavelength times the f-number by default.
+
+        Raises
+        ------
+        realistic.Error
+            If the program fails, with its message; also if no light reaches the point.
+        FileNotFoundError
+            If the program is not installed.
+        """
+        return psf(self._parameters, at, object_distance, spectrum, rays, pixels, pitch_um)
+
+    def wavefront(
+        self,
+        at: Sequence[float] = (0.0, 0.0),
+        *,
+        object_distance: float | None = None,
+        rays: int = 128,
+    ) -> Wavefront:
+        """Returns the wavefront at an image point: RMS, Strehl ratio, Zernike coefficients. The parameters, and the
+        errors raised, are those of `Lens.psf`."""
+        return psf(self._parameters, at, object_distance, None, rays, 8, None).wavefront
+
+    def mtf(
+        self,
+        frequencies: Sequence[float],
+        at: Sequence[float] = (0.0, 0.0),
+        *,
+        object_distance: float | None = None,
+        spectrum: Mapping[float, float] | None = None,
+        rays: int = 256,
+    ) -> WaveMtf:
+        """Returns the contrast of fine detail at an image point, with diffraction, by rays alone, and of a perfect lens.
+        `measure.mtf` of a camera is geometric, and in pixels of its picture.
+
+        Parameters
+        ----------
+        frequencies : sequence of float
+            Cycles per mm, positive.
+        at, object_distance, spectrum, rays
+            As for `Lens.psf`, which also has the errors raised.
+        """
+        return mtf(self._parameters, frequencies, at, object_distance, spectrum, rays, (0.0,))[0]
+
+    def mtf_through_focus(
+        self,
+        frequencies: Sequence[float],
+        defocus_mm: Sequence[float],
+        at: Sequence[float] = (0.0, 0.0),
+        *,
+        object_distance: float | None = None,
+        spectrum: Mapping[float, float] | None = None,
+        rays: int = 256,
+    ) -> tuple[WaveMtf, ...]:
+        """Returns `Lens.mtf` for film moved away from the lens by each of several distances, mm, at most 101."""
+        return mtf(self._parameters, frequencies, at, object_distance, spectrum, rays, defocus_mm)
 
     def trace(
         self, origins: ArrayLike, directions: ArrayLike, *, side: str = "scene", points: bool = False
