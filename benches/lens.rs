@@ -136,6 +136,8 @@ impl Opened {
             direction: realistic_vectors::columns([dx, dy, dz]),
             reason: null_mut(),
             reason_stride: 0,
+            optical_path: null_mut(),
+            optical_path_stride: 0,
         }
     }
 

@@ -772,6 +772,11 @@ typedef struct realistic_lens_rays {
     realistic_reason *reason;
     // Bytes from one reason to the next.
     ptrdiff_t reason_stride;
+    // Result of each ray: the optical path, mm (lengths times indices), from the given point of the ray to the
+    // one that replaces it; may be NULL.
+    double *optical_path;
+    // Bytes from one optical path to the next.
+    ptrdiff_t optical_path_stride;
 } realistic_lens_rays;
 
 // Points where rays meet the surfaces of a lens, lens space, mm.
@@ -955,7 +960,8 @@ realistic_status realistic_lens_plane_of_focus(const struct realistic_lens *lens
 // where it leaves the last surface and its unit direction there. A blocked ray is replaced by the point on
 // the last surface that it met and its direction behind that surface; if it met none, only its direction
 // changes, to unit length. Rays may start anywhere before the lens. A ray with numbers that are not finite,
-// or with a direction of length 0, counts as `REALISTIC_REASON_MISSED` and does not change.
+// or with a direction of length 0, counts as `REALISTIC_REASON_MISSED` and does not change. Optical paths end
+// where the ray does.
 //
 // `points` is NULL, or requests the points where the rays meet each surface. With points, rays are traced
 // one after another, which is slower. The results are the same as without points, except for rounding, which

@@ -65,3 +65,33 @@ def test_colours_and_distances_are_taken_and_mistakes_are_named() -> None:
         lens.psf((500.0, 0.0))
     with pytest.raises(realistic.Error, match="rays"):
         lens.psf(rays=4)
+
+
+def test_optical_paths_are_those_of_the_points_on_the_surfaces() -> None:
+    lens = realistic.Lens("zoom.24-70mm")
+    rng = np.random.default_rng(7)
+    origins = np.column_stack([rng.uniform(-6.0, 6.0, (200, 2)), np.full(200, 60.0)])
+    directions = np.column_stack([rng.uniform(-0.05, 0.05, (200, 2)), np.full(200, -1.0)])
+    plain = lens.trace(origins, directions)
+    assert plain.optical_path is None
+    traced = lens.trace(origins, directions, optical_path=True)
+    np.testing.assert_array_equal(traced.origin, plain.origin)
+    walked = lens.trace(origins, directions, points=True, optical_path=True)
+    assert traced.optical_path is not None and walked.optical_path is not None and walked.points is not None
+    np.testing.assert_allclose(traced.optical_path, walked.optical_path, atol=1e-11)
+    through = walked.passed
+    assert through.sum() > 50
+    indices = [1.0, *(surface.index_film for surface in lens.surfaces)]
+    points = np.concatenate([origins[:, None], walked.points], axis=1)[through]
+    lengths = np.linalg.norm(np.diff(points, axis=1), axis=2)
+    np.testing.assert_allclose((lengths * indices[:-1]).sum(axis=1), walked.optical_path[through], atol=1e-10)
+
+
+def test_studies_and_measures_take_lenses_that_are_not_round() -> None:
+    camera = realistic.Camera("anamorphic.129mm", resolution=(300, 200), focus_distance=50000.0)
+    fields = realistic.Field.fractions([0, 0.4])
+    tangential, sagittal = realistic.measure.mtf(camera, fields, [10])[0, :, 0]
+    assert tangential != pytest.approx(sagittal, abs=1e-3), "its two meridians differ on the axis"
+    assert realistic.measure.relative_illumination(camera, fields)[1] < 1.0
+    table = realistic.study(["mirror.500mm"], focus_distances=[50000.0], fields=[0], frequencies=[10])
+    assert not table["failed"].any()

@@ -99,6 +99,8 @@ fn rays(lens: *const realistic_lens, side: i32, bytes: &mut Bytes<'_>, what: &dy
         direction: realistic_vectors::columns([dx, dy, dz]),
         reason: reasons.as_mut_ptr(),
         reason_stride: size_of::<realistic_reason>() as isize,
+        optical_path: null_mut(),
+        optical_path_stride: 0,
     };
     // SAFETY: the lens is live, and the arrays have COUNT elements.
     let status = unsafe { realistic_lens_trace(lens, side, COUNT, &lens_rays, null()) };

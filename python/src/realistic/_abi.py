@@ -170,6 +170,8 @@ class LensRaysView(ctypes.Structure):
         ("direction", Vectors),
         ("reason", c_void_p),
         ("reason_stride", c_ssize_t),
+        ("optical_path", c_void_p),
+        ("optical_path_stride", c_ssize_t),
     ]
 
 

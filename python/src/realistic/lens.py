@@ -74,12 +74,16 @@ class LensRays:
     points : ndarray (n, surfaces, 3) of float64, or None
         Point where each ray meets each surface, mm, with the surfaces in order from the scene's side; NaN where a ray
         does not reach a surface. None unless requested.
+    optical_path : ndarray (n,) of float64, or None
+        Optical path of each ray, mm: lengths times refractive indices, from the given point of the ray to `origin`. None
+        unless requested.
     """
 
     origin: NDArray[np.float64]
     direction: NDArray[np.float64]
     reason: NDArray[np.int32]
     points: NDArray[np.float64] | None = None
+    optical_path: NDArray[np.float64] | None = None
 
     @property
     def passed(self) -> NDArray[np.bool_]:
@@ -467,7 +471,13 @@ class Lens:
         return mtf(self._parameters, frequencies, at, object_distance, spectrum, rays, defocus_mm)
 
     def trace(
-        self, origins: ArrayLike, directions: ArrayLike, *, side: str = "scene", points: bool = False
+        self,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        *,
+        side: str = "scene",
+        points: bool = False,
+        optical_path: bool = False,
     ) -> LensRays:
         """Traces rays through the lens.
 
@@ -482,6 +492,8 @@ class Lens:
             Side from which rays come, "scene" or "film".
         points : bool
             Whether to also return the points where each ray meets each surface, which takes longer.
+        optical_path : bool
+            Whether to also return the optical path of each ray.
 
         Returns
         -------
@@ -514,6 +526,9 @@ class Lens:
             reason.ctypes.data,
             reason.itemsize,
         )
+        paths = np.zeros(shape) if optical_path else None
+        if paths is not None:
+            rays.optical_path, rays.optical_path_stride = paths.ctypes.data, paths.itemsize
         arguments = (self._handle.pointer, SIDES.index(side), n, ctypes.byref(rays))
         met = None
         if points:
@@ -522,7 +537,7 @@ class Lens:
             check(library.realistic_lens_trace(*arguments, ctypes.byref(points_view)))
         else:
             check(library.realistic_lens_trace(*arguments, None))
-        return LensRays(origin, direction, reason, met)
+        return LensRays(origin, direction, reason, met, paths)
 
     def __repr__(self) -> str:
         given = dict(self._parameters)

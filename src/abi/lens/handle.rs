@@ -16,7 +16,7 @@ use realistic_optics::{
     prescription::Prescription,
     trace::{Direction, Path},
 };
-use realistic_trace::kernel::Kernel;
+use realistic_trace::kernel::{Kernel, PathKernel};
 
 /// A lens at one wavelength and stop. Immutable and thread-safe once built.
 // This type is not `repr(C)`, so that the header only declares it.
@@ -48,12 +48,15 @@ pub(super) struct DirectedLens {
     pub direction: Direction,
     pub path: Path,
     pub kernel: Kernel<f64>,
+    /// The kernel for rays whose optical paths are requested.
+    pub path_kernel: PathKernel,
 }
 
 impl DirectedLens {
     fn new(lens: &Lens, direction: Direction) -> Self {
         let path = Path::new(lens, direction, Default::default());
-        Self { direction, kernel: Kernel::along(&path), path }
+        let (kernel, path_kernel) = (Kernel::along(&path), PathKernel::along(&path));
+        Self { direction, kernel, path_kernel, path }
     }
 }
 

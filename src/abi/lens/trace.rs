@@ -43,6 +43,11 @@ pub struct realistic_lens_rays {
     pub reason: *mut realistic_reason,
     /// Bytes from one reason to the next.
     pub reason_stride: isize,
+    /// Result of each ray: the optical path, mm (lengths times indices), from the given point of the ray to the
+    /// one that replaces it; may be NULL.
+    pub optical_path: *mut f64,
+    /// Bytes from one optical path to the next.
+    pub optical_path_stride: isize,
 }
 
 /// The columns of a caller's rays.
@@ -51,6 +56,20 @@ struct RayColumns {
     /// Origins and directions.
     numbers: [Strided<f64>; 6],
     reasons: Strided<realistic_reason>,
+    optical_paths: Strided<f64>,
+}
+
+/// What becomes of a ray.
+struct TracedRay {
+    ray: Ray,
+    reason: realistic_reason,
+    optical_path: f64,
+}
+
+impl From<Walk> for TracedRay {
+    fn from(Walk { ray, optical_path, blocked, .. }: Walk) -> Self {
+        Self { ray, reason: blocked.map_or(realistic_reason::Ok, realistic_reason::from), optical_path }
+    }
 }
 
 impl RayColumns {
@@ -60,7 +79,9 @@ impl RayColumns {
         let [x, y, z] = vectors("rays.origin", n, &rays.origin)?;
         let [dx, dy, dz] = vectors("rays.direction", n, &rays.direction)?;
         let reasons = optional_column("rays.reason", n, rays.reason, rays.reason_stride)?;
-        Ok(Self { numbers: [x, y, z, dx, dy, dz], reasons })
+        let optical_paths =
+            optional_column("rays.optical_path", n, rays.optical_path, rays.optical_path_stride)?;
+        Ok(Self { numbers: [x, y, z, dx, dy, dz], reasons, optical_paths })
     }
 
     /// # Safety
@@ -71,16 +92,12 @@ impl RayColumns {
         Ray { origin: [x, y, z], direction: [dx, dy, dz] }
     }
 
-    /// Writes a ray, if its numbers are finite, and its reason.
+    /// Writes a ray, if its numbers are finite, its reason and its optical path.
     ///
     /// # Safety
     /// Ray `i` exists.
-    unsafe fn put(
-        &self,
-        i: usize,
-        Ray { origin: [x, y, z], direction: [dx, dy, dz] }: Ray,
-        reason: realistic_reason,
-    ) {
+    unsafe fn put(&self, i: usize, TracedRay { ray, reason, optical_path }: TracedRay) {
+        let Ray { origin: [x, y, z], direction: [dx, dy, dz] } = ray;
         let found = [x, y, z, dx, dy, dz];
         // SAFETY: the caller's promise.
         unsafe {
@@ -89,6 +106,9 @@ impl RayColumns {
             }
             if self.reasons.is_there() {
                 self.reasons.put(i, reason);
+            }
+            if self.optical_paths.is_there() {
+                self.optical_paths.put(i, optical_path);
             }
         }
     }
@@ -101,7 +121,8 @@ const BLOCK: usize = 256;
 /// where it leaves the last surface and its unit direction there. A blocked ray is replaced by the point on
 /// the last surface that it met and its direction behind that surface; if it met none, only its direction
 /// changes, to unit length. Rays may start anywhere before the lens. A ray with numbers that are not finite,
-/// or with a direction of length 0, counts as `REALISTIC_REASON_MISSED` and does not change.
+/// or with a direction of length 0, counts as `REALISTIC_REASON_MISSED` and does not change. Optical paths end
+/// where the ray does.
 ///
 /// `points` is NULL, or requests the points where the rays meet each surface. With points, rays are traced
 /// one after another, which is slower. The results are the same as without points, except for rounding, which
@@ -158,6 +179,7 @@ fn directed(opened: &OpenedLens, from: i32) -> Result<&DirectedLens, Failure> {
 /// The columns have `n` rays.
 unsafe fn in_blocks(lens: &DirectedLens, n: usize, rays: &RayColumns) {
     let mut buffer = RayBuffer::<f64>::new(n.min(BLOCK));
+    let mut optical_paths = [0.0; BLOCK];
     for first in (0..n).step_by(BLOCK) {
         let count = BLOCK.min(n - first);
         for i in 0..count {
@@ -165,15 +187,21 @@ unsafe fn in_blocks(lens: &DirectedLens, n: usize, rays: &RayColumns) {
             let Ray { origin, direction } = unsafe { rays.get(first + i) };
             buffer.put(i, origin, direction);
         }
-        lens.kernel.trace_in_place(&mut buffer.part(0..count));
-        for i in 0..count {
+        if rays.optical_paths.is_there() {
+            lens.path_kernel.trace_in_place(&mut buffer.part(0..count), &mut optical_paths[..count]);
+        } else {
+            lens.kernel.trace_in_place(&mut buffer.part(0..count));
+        }
+        for (i, &optical_path) in optical_paths[..count].iter().enumerate() {
             // SAFETY: the caller's promise.
             unsafe {
-                let (ray, reason) = match buffer.get(i) {
-                    Some(traced) => (traced.ray(), realistic_reason::Ok),
+                let traced = match buffer.get(i) {
+                    Some(traced) => {
+                        TracedRay { ray: traced.ray(), reason: realistic_reason::Ok, optical_path }
+                    }
                     None => blocked(lens, rays.get(first + i)),
                 };
-                rays.put(first + i, ray, reason);
+                rays.put(first + i, traced);
             }
         }
     }
@@ -181,9 +209,11 @@ unsafe fn in_blocks(lens: &DirectedLens, n: usize, rays: &RayColumns) {
 
 /// Returns the end of a ray that the kernel blocks, and the reason. If the walk lets the ray pass, the ray is
 /// within rounding of an edge and counts as clipped.
-fn blocked(lens: &DirectedLens, ray: Ray) -> (Ray, realistic_reason) {
-    let Walk { ray, blocked, .. } = lens.path.walk(ray);
-    (ray, blocked.map_or(realistic_reason::Clipped, realistic_reason::from))
+fn blocked(lens: &DirectedLens, ray: Ray) -> TracedRay {
+    let walk = lens.path.walk(ray);
+    let clipped = walk.blocked.is_none().then_some(realistic_reason::Clipped);
+    let traced = TracedRay::from(walk);
+    TracedRay { reason: clipped.unwrap_or(traced.reason), ..traced }
 }
 
 /// Points where rays meet the surfaces of a lens, lens space, mm.
@@ -255,10 +285,10 @@ unsafe fn walk_each(lens: &DirectedLens, n: usize, rays: &RayColumns, points: &S
         });
         // SAFETY: the caller's promise.
         unsafe {
-            rays.put(i, walk.ray, walk.blocked.map_or(realistic_reason::Ok, realistic_reason::from));
             if points.met.is_there() {
                 points.met.put(i, walk.surfaces_met as u32);
             }
+            rays.put(i, walk.into());
         }
     }
 }

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdio>
 #include <cstring>
+#include <stdexcept>
 #include <thread>
 #include <type_traits>
 
@@ -251,12 +252,14 @@ static void lenses(const realistic::Api &api) {
     double at[6] = {0, 0, 50, 0, 0, -1};
     realistic_reason reason;
     auto vectors = [](double *first) { return realistic_vectors{first, first + 1, first + 2, 6 * sizeof(double)}; };
-    lens.trace(REALISTIC_SIDE_SCENE, 1, {0, vectors(at), vectors(at + 3), &reason, sizeof reason});
+    double path = 0;
+    lens.trace(REALISTIC_SIDE_SCENE, 1, {0, vectors(at), vectors(at + 3), &reason, sizeof reason, &path, sizeof path});
+    if (!(path > 50)) throw std::logic_error("no optical path");
     double start[6] = {0, 0, 50, 0, 0, -1};
     std::vector<double> along[3];
     for (auto &axis : along) axis.resize(info.surfaces);
     uint32_t met = 0;
-    lens.trace(REALISTIC_SIDE_SCENE, 1, {0, vectors(start), vectors(start + 3), nullptr, 0},
+    lens.trace(REALISTIC_SIDE_SCENE, 1, {0, vectors(start), vectors(start + 3), nullptr, 0, nullptr, 0},
                {0, {along[0].data(), along[1].data(), along[2].data(), sizeof(double)}, &met, sizeof met});
     double off = 0;
     for (uint32_t i = 0; i < info.surfaces; ++i) off += std::fabs(along[2][i] - lens.surface(i).vertex_mm);

@@ -32,6 +32,8 @@ fn lens_rays(columns: &mut [Vec<f64>; 6], reasons: &mut [realistic_reason]) -> r
         direction: realistic_vectors::columns([dx, dy, dz]),
         reason: reasons.as_mut_ptr(),
         reason_stride: size_of::<realistic_reason>() as isize,
+        optical_path: null_mut(),
+        optical_path_stride: 0,
     }
 }
 
@@ -98,6 +100,18 @@ impl Lens {
         ((0..rays.len()).map(|i| columns.each_ref().map(|column| column[i])).collect(), reasons)
     }
 
+    /// Traces as [`Lens::trace`] does, and returns the points where rays end and their optical paths.
+    fn trace_paths(&self, from: realistic_side, rays: &[[f64; 6]]) -> (Vec<[f64; 6]>, Vec<f64>) {
+        let mut columns: [Vec<f64>; 6] = std::array::from_fn(|c| rays.iter().map(|ray| ray[c]).collect());
+        let (mut reasons, mut paths) = (vec![realistic_reason::Shut; rays.len()], vec![f64::NAN; rays.len()]);
+        let mut arrays = lens_rays(&mut columns, &mut reasons);
+        (arrays.optical_path, arrays.optical_path_stride) = (paths.as_mut_ptr(), size_of::<f64>() as isize);
+        // SAFETY: the arrays have one element per ray.
+        let status = unsafe { realistic_lens_trace(self.0, from as i32, rays.len(), &arrays, null()) };
+        assert_eq!(status, realistic_status::Ok, "{}", last_error());
+        ((0..rays.len()).map(|i| columns.each_ref().map(|column| column[i])).collect(), paths)
+    }
+
     /// Traces as [`Lens::trace`] does, and also returns the intersections with every surface, scene side first, and the
     /// number of intersections.
     fn trace_points(&self, from: realistic_side, rays: &[[f64; 6]]) -> Vec<Traced> {
@@ -147,6 +161,26 @@ impl Drop for Lens {
 
 /// A biconvex lens of 50 mm radii, 6 mm thick, n = 1.5, and a stop 4 mm in front of it.
 const SINGLET: &str = "0 4 1 8\n50 6 1.5 20\n-50 0 1 20\n";
+
+#[test]
+fn optical_paths_are_returned_on_request_with_the_same_rays() {
+    // A plane plate of glass: 20 mm of air, 5 mm of n = 1.5, along the axis and at an angle.
+    let plate = Lens::of_text("inf 5 1.5 40\ninf 0 1 40\n", |_| ()).expect("a lens");
+    let rays = [
+        [0.0, 0.0, 20.0, 0.0, 0.0, -1.0],
+        [1.0, 2.0, 20.0, 0.3, 0.0, -1.0],
+        [90.0, 0.0, 20.0, 0.0, 0.0, -1.0],
+    ];
+    let (ends, paths) = plate.trace_paths(realistic_side::Scene, &rays);
+    let (plain, _) = plate.trace(realistic_side::Scene, &rays);
+    assert_eq!(ends, plain);
+    let sine = 0.3 / 1.09_f64.sqrt();
+    let inclined = 20.0 * 1.09_f64.sqrt() + 1.5 * 5.0 / (1.0 - (sine / 1.5).powi(2)).sqrt();
+    for (own, expected) in paths.iter().zip([27.5, inclined, 20.0]) {
+        // The third ray ends at the first surface, outside its rim.
+        assert!((own - expected).abs() < 1e-12, "{own} {expected}");
+    }
+}
 
 #[test]
 fn a_singlets_facts_are_the_thick_lens_formulas() {
@@ -358,6 +392,8 @@ fn pointers_that_are_no_lens_are_refused() {
         direction: realistic_vectors::columns([null_mut(); 3]),
         reason: null_mut(),
         reason_stride: 0,
+        optical_path: null_mut(),
+        optical_path_stride: 0,
     };
     use realistic_status::{InvalidParameter, NotALens, NullPointer, Ok, StructSize};
     // SAFETY: 8 bytes can be read at every pointer that is not NULL.

@@ -125,6 +125,8 @@ fn points_want_room_and_a_side() {
         direction: realistic_vectors::columns([dx, dy, dz]),
         reason: null_mut(),
         reason_stride: 0,
+        optical_path: null_mut(),
+        optical_path_stride: 0,
     };
     let mut room = [[5.0; 3]; 3];
     let [x, y, z] = room.each_mut().map(|column| column.as_mut_ptr());
