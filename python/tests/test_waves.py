@@ -48,6 +48,8 @@ def test_noll_coefficients_add_up_to_the_rms_and_defocus_moves_the_fourth() -> N
     wavefront = lens.wavefront()
     assert np.sqrt((wavefront.noll[1:] ** 2).sum()) == pytest.approx(wavefront.rms, rel=0.02)
     assert wavefront.strehl == pytest.approx(np.exp(-((2 * np.pi * wavefront.rms) ** 2)), abs=0.02)
+    assert wavefront.seidel is not None and wavefront.seidel.shape == (len(lens.surfaces), 5)
+    assert realistic.Lens("mirror.500mm").wavefront(rays=32).seidel is None
     tables = lens.mtf_through_focus([40.0], [-0.1, 0.0, 0.1])
     contrasts = [table.tangential[0] for table in tables]
     assert [table.defocus_mm for table in tables] == [-0.1, 0.0, 0.1]

@@ -24,6 +24,7 @@
 //! | `pupil` | the nodes of a quadrature over the rays that pass, found row by row |
 //! | [`wavefront`] | the rays traced with their optical paths; RMS, Zernike coefficients |
 //! | [`psf`], [`mtf`] | the power on the film and its Fourier transform |
+//! | [`seidel`] | third-order sums by surface |
 //! | `fourier` | the sum over scattered plane waves at all pixels |
 //!
 //! Everything is in double precision, mm and radians, and for one wavelength; sums over wavelengths are sums of powers. The
@@ -40,6 +41,7 @@ pub mod object;
 pub mod psf;
 mod pupil;
 mod quadrature;
+pub mod seidel;
 pub mod wavefront;
 pub mod zernike;
 

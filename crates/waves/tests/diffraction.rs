@@ -3,12 +3,12 @@
 use std::f64::consts::{PI, TAU};
 
 use realistic_optics::{
-    imaging::focus::Focus,
-    lens::Lens,
+    imaging::{axial_beam::stop_or_limiting, focus::Focus},
+    lens::{Lens, first_order::FirstOrder, pupil::EntrancePupil},
     prescription::{catalogue, read},
 };
 use realistic_waves::{
-    FilmPlane, ObjectPoint, Psf, Sampling, Wavefront, airy_mtf, mtf::Contrast, wavefront::object_of,
+    FilmPlane, ObjectPoint, Psf, Sampling, Wavefront, airy_mtf, mtf::Contrast, seidel, wavefront::object_of,
     zernike::Ordering,
 };
 
@@ -176,5 +176,50 @@ fn power_is_kept_and_error_falls_with_sampling_for_every_lens() {
         assert!((coarse.rms() / waves - 1.0).abs() < 2e-2, "{name}: {waves} {}", coarse.rms());
         assert!((coarse.power() / fine.power() - 1.0).abs() < 2e-3, "{name}");
         println!("{name:20} RMS {waves:8.3} waves, Strehl {:.4}, {} rays", fine.strehl(), fine.nodes.len());
+    }
+}
+
+#[test]
+fn third_order_sums_are_those_of_the_wavefront_of_a_small_pupil_and_field() {
+    for (name, number) in
+        [("tessar.50mm", 11.0), ("telephoto.250mm", 16.0), ("dgauss.100mm", 11.0), ("phone.4mm", 11.0)]
+    {
+        let prescription = catalogue::find(name).expect("listed");
+        let mut lens = Lens::at_d_line(&prescription);
+        // The stop is closed to the f-number.
+        let first_order = FirstOrder::of(&lens).expect("not afocal");
+        let stop = stop_or_limiting(&lens);
+        let diameter = first_order.focal_length / number;
+        lens.surfaces[stop].semi_diameter =
+            EntrancePupil::of_surface(&lens, stop).semi_diameter_for(diameter);
+        let film = first_order.rear_focal_point;
+        let tangent = 0.02;
+        let object = ObjectPoint::toward(&lens, [0.0, tangent, 1.0]).expect("in front");
+        let sums = seidel::sums(&lens, &object).expect("a round lens");
+        let total: [f64; 5] = std::array::from_fn(|k| sums.iter().map(|surface| surface[k]).sum());
+        let wavefront = Wavefront::new(&lens, object, &FilmPlane::across(film), COARSE).expect("lit");
+        let z = wavefront.zernike(Ordering::Fringe, 16);
+        let waves = wavefront.wavelength;
+        // Coefficients of r⁴, of r³ along y, and of r² along y and across it, from those of the polynomials.
+        let [spherical, coma, astigmatism] = [6.0 * z[8] - 30.0 * z[15], 3.0 * z[7], -2.0 * z[4]];
+        let size = total.iter().map(|sum| (sum / waves).abs()).fold(0.0, f64::max);
+        // A ray that is high in the pupil has a low q: coma changes its sign.
+        for (own, sum) in
+            [(spherical, total[0] / 8.0), (coma, -total[1] / 2.0), (astigmatism, total[2] / 2.0)]
+        {
+            let expected = -sum / waves;
+            assert!(
+                (own - expected).abs() < 0.05 * expected.abs() + 0.01 * size,
+                "{name}: {own} {expected} {total:?}"
+            );
+        }
+        // The image of the chief ray is displaced by the distortion.
+        let landing = -wavefront.image[1] - tangent * first_order.focal_length;
+        let angle = diameter / (2.0 * first_order.focal_length);
+        let expected = total[4] / (2.0 * angle);
+        assert!(
+            (landing.abs() - expected.abs()).abs() < 0.1 * expected.abs() + 1e-6,
+            "{name}: {landing} {expected}"
+        );
     }
 }

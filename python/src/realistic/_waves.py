@@ -40,6 +40,9 @@ class Wavefront:
     """The same in the fringe order, where every polynomial is 1 at the edge: `fringe[3]` is defocus."""
     circle: tuple[tuple[float, float], float]
     """The circle on which the polynomials are defined, in direction cosines: its centre and its radius."""
+    seidel: NDArray[np.float64] | None
+    """Seidel sums of each surface from the scene on (surfaces, 5), waves: spherical aberration, coma, astigmatism, field
+    curvature, distortion. None for a lens that is not round or has terms of r^3."""
 
 
 @dataclass(frozen=True)
@@ -106,6 +109,7 @@ def _wavefront(found: Mapping[str, Any]) -> Wavefront:
         noll=np.asarray(found["zernike_noll_waves"], dtype=np.float64),
         fringe=np.asarray(found["zernike_fringe_waves"], dtype=np.float64),
         circle=((x, y), radius),
+        seidel=None if found["seidel_waves"] is None else np.asarray(found["seidel_waves"], dtype=np.float64),
     )
 
 

@@ -9,7 +9,7 @@ use crate::failure::Failure;
 use realistic_base::message::{as_given, fixed};
 use realistic_optics::{imaging::focus::Focus, lens::Lens};
 use realistic_waves::{
-    FilmPlane, ObjectPoint, Sampling, WaveError, Wavefront, wavefront::object_of, zernike::Ordering,
+    FilmPlane, ObjectPoint, Sampling, WaveError, Wavefront, seidel, wavefront::object_of, zernike::Ordering,
 };
 use serde_json::{Value, json};
 
@@ -143,7 +143,14 @@ impl ImagePoint {
             "zernike_circle": { "centre": centre, "radius": radius },
             "zernike_noll_waves": wavefront.zernike(Ordering::Noll, ZERNIKES),
             "zernike_fringe_waves": wavefront.zernike(Ordering::Fringe, ZERNIKES),
+            "seidel_waves": self.seidel(wavefront.wavelength),
         })
+    }
+
+    /// Returns the Seidel sums of each surface in waves; `None` for a lens that has none.
+    fn seidel(&self, wavelength: f64) -> Option<Vec<[f64; 5]>> {
+        let sums = seidel::sums(&self.lenses[0].0, &self.object)?;
+        Some(sums.into_iter().map(|surface| surface.map(|sum| sum / wavelength)).collect())
     }
 
     /// Returns the facts of a wavefront as text.
