@@ -95,5 +95,23 @@ def test_studies_and_measures_take_lenses_that_are_not_round() -> None:
     tangential, sagittal = realistic.measure.mtf(camera, fields, [10])[0, :, 0]
     assert tangential != pytest.approx(sagittal, abs=1e-3), "its two meridians differ on the axis"
     assert realistic.measure.relative_illumination(camera, fields)[1] < 1.0
+    table = realistic.study(
+        ["planar.50mm"], [4, 16], 1e5, [0, 0.6], frequencies=40, processes=1, diffraction=True, progress=False
+    )
+    assert not table["failed"].any()
+    wave = table["wave_mtf_tangential_40"]
+    assert (wave < table["mtf_diffraction_40"] + 5e-3).all() and (wave > 0.2).all()
+    assert (table["strehl"] <= 1.0).all() and table["wavefront_rms"][2] < table["wavefront_rms"][0]
     table = realistic.study(["mirror.500mm"], focus_distances=[50000.0], fields=[0], frequencies=[10])
     assert not table["failed"].any()
+
+
+def test_plots_show_the_point_and_its_contrast() -> None:
+    plot = pytest.importorskip("realistic.plot")
+    lens = realistic.Lens("dgauss.50mm", fnumber=8)
+    lines = plot.wave_mtf(lens, points=[(0.0, 0.0), (0.0, 10.0)]).get_lines()
+    frequencies, tangential = lines[0].get_data()
+    np.testing.assert_allclose(tangential[7], lens.mtf([frequencies[7]]).tangential[0], atol=1e-9)
+    ax = plot.psf(lens, pixels=32)
+    assert ax.images[0].get_array().max() == 0.0
+    assert "Strehl" in ax.get_title()

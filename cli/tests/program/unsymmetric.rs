@@ -29,6 +29,13 @@ fn focal_lengths_of_both_meridians_are_those_of_the_patents() {
             assert!((own - expected).abs() < 6e-4, "{name}: {own} {expected}");
         }
         assert!(succeeds(&["lens", name], "").contains("in x"), "{name}");
+        // The cone of light on the film has the f-numbers of both meridians.
+        let facts = json(&["lens", name, "--json"]);
+        let [x, y] = ["fnumber_x", "fnumber"].map(|key| facts[key].as_f64().expect("a number"));
+        let cone =
+            json(&["psf", name, "--json", "--rays", "64", "--pixels", "8", "--object-distance", "inf"]);
+        let widest = cone["fnumber_of_cone"].as_f64().expect("a number");
+        assert!((widest / x.min(y) - 1.0).abs() < 0.02, "{name}: {x} {y} {widest}");
     }
     // RayOptics has 999.639 and 75.381 for the lens of twice the size; its index of one glass differs.
     let mirror = json(&["lens", "mirror.500mm", "--json"]);

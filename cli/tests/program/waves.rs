@@ -92,6 +92,8 @@ fn wavelengths_are_added_and_lenses_that_are_not_round_have_wavefronts() {
 fn what_has_no_answer_is_refused_or_called_out() {
     let message = fails(&["psf", "dgauss.50mm", "--at", "400,0"], "", 1);
     assert!(message.contains("nearer the axis"), "{message}");
+    let message = fails(&["psf", "dgauss.50mm", "--object-distance", "20"], "", 1);
+    assert!(message.contains("is not in front of the lens"), "{message}");
     let message = fails(&["mtf", "dgauss.50mm", "--spectrum", "486:0"], "", 2);
     assert!(message.contains("NM:WEIGHT"), "{message}");
     let message = fails(&["psf", "dgauss.50mm", "--out", "psf.jpg"], "", 2);

@@ -15,8 +15,8 @@ pub struct Mtf {
     pub geometric: Vec<[f64; 2]>,
 }
 
-/// Number of pixels along a side of the point spread function from which contrasts are computed.
-const PIXELS: usize = 256;
+/// Least and greatest number of pixels along a side of the point spread function from which contrasts are computed.
+const PIXELS: [usize; 2] = [32, 512];
 
 /// The point spread function in as many pixels as its contrasts need.
 #[derive(Clone, Debug)]
@@ -29,16 +29,19 @@ pub struct Contrast {
 }
 
 impl Contrast {
-    /// Prepares a wavefront. The pixels are half as large as the finest detail of the image requires.
+    /// Prepares a wavefront. The pixels are half as large as the finest detail of the image requires, and as many along a
+    /// side as there are rays across: at the edge of that square, the phase between neighbouring rays in the middle of the
+    /// pupil changes by 2.5 rad, and farther out the rays could no longer be told from others.
     pub fn new(wavefront: &Wavefront) -> Self {
         let width = wavefront.extent().map(|[low, high]| high - low).into_iter().fold(0.0, f64::max);
         let cutoff = width / wavefront.wavelength;
         let power = wavefront.power();
         let rays = wavefront.nodes.iter().map(|node| (node.landing, node.power / power)).collect();
-        Self { psf: Psf::new(wavefront, PIXELS, (2.0 * cutoff).recip()), rays, cutoff }
+        let size = wavefront.sampling.across.clamp(PIXELS[0], PIXELS[1]);
+        Self { psf: Psf::new(wavefront, size, (2.0 * cutoff).recip()), rays, cutoff }
     }
 
-    /// Returns the share of the power that the pixels hold; what is missing is an error of low frequencies.
+    /// Returns the share of the power that the pixels hold: the contrast at the frequency 0.
     pub fn share(&self) -> f64 {
         self.psf.share()
     }

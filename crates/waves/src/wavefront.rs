@@ -104,6 +104,8 @@ pub struct Wavefront {
     pub image: [f64; 3],
     /// q of the chief ray.
     pub chief: [f64; 2],
+    /// How finely it was sampled.
+    pub sampling: Sampling,
 }
 
 /// Differences of a ray's coordinates for derivatives, relative to the front semi-diameter.
@@ -189,7 +191,7 @@ impl Wavefront {
         if nodes.is_empty() {
             return Err(WaveError::Dark);
         }
-        Ok(Self { nodes, wavelength: lens.wavelength * 1e-6, image, chief: q_of(&chief) })
+        Ok(Self { nodes, wavelength: lens.wavelength * 1e-6, image, chief: q_of(&chief), sampling })
     }
 
     /// Returns the same pupil without path differences: that of a perfect lens.

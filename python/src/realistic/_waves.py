@@ -79,7 +79,9 @@ class WaveMtf:
     defocus_mm: float
     """Distance by which the film was moved away from the lens, mm."""
     error: float
-    """Largest difference from the contrast with three quarters of the rays, or the energy that was left out."""
+    """Largest difference from the contrast with three quarters of the rays."""
+    wavefront: Wavefront
+    """The wavefront, without defocus."""
 
 
 def _words(
@@ -154,6 +156,7 @@ def mtf(
     moved = ",".join(repr(float(number)) for number in defocus)
     words = ["mtf", *_words(at, object_distance, spectrum, rays), f"--frequencies={numbers}", f"--defocus={moved}"]
     found = report(words, parameters)
+    wavefront = _wavefront(found)
 
     def one(table: Mapping[str, Any]) -> WaveMtf:
         def both(name: str) -> NDArray[np.float64]:
@@ -168,6 +171,7 @@ def mtf(
             perfect=both("perfect_lens"),
             defocus_mm=table["defocus_mm"],
             error=table["error"],
+            wavefront=wavefront,
         )
 
     return tuple(one(table) for table in found["tables"])

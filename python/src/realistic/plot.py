@@ -97,6 +97,56 @@ def mtf(
     return ax
 
 
+def wave_mtf(
+    lens: Lens,
+    ax: Axes | None = None,
+    *,
+    points: Sequence[tuple[float, float]] = ((0.0, 0.0),),
+    highest: float = 200.0,
+    object_distance: float | None = None,
+) -> Axes:
+    """Plots the MTF with diffraction at points of the film, x and y in mm, up to `highest` cycles per mm: tangential
+    (solid) and sagittal (dashed), and that of a perfect lens (dotted)."""
+    ax = ax or plt.subplots()[1]
+    frequencies = np.linspace(0.0, highest, 41)[1:]
+    for i, (x, y) in enumerate(points):
+        found = lens.mtf(frequencies.tolist(), (x, y), object_distance=object_distance)
+        ax.plot(frequencies, found.tangential, color=f"C{i}", label=f"{x:g}, {y:g} mm")
+        ax.plot(frequencies, found.sagittal, color=f"C{i}", linestyle="--")
+        ax.plot(frequencies, found.perfect[0], color=f"C{i}", linestyle=":")
+    ax.plot([], [], color="0.3", label="tangential")
+    ax.plot([], [], color="0.3", linestyle="--", label="sagittal")
+    ax.plot([], [], color="0.3", linestyle=":", label="perfect lens")
+    ax.set(title=f"{lens.name}: MTF with diffraction", xlabel="cycles per mm", xlim=(0, highest), ylim=(0, 1))
+    ax.legend(fontsize=8)
+    ax.grid(alpha=0.3)
+    return ax
+
+
+def psf(
+    lens: Lens,
+    ax: Axes | None = None,
+    *,
+    at: tuple[float, float] = (0.0, 0.0),
+    pixels: int = 128,
+    pitch_um: float | None = None,
+    object_distance: float | None = None,
+) -> Axes:
+    """Shows the picture of a point with diffraction, as the logarithm of its energy down to a millionth of the peak.
+
+    Axes are x and y on the film in lens space, micrometres from the image point.
+    """
+    ax = ax or plt.subplots()[1]
+    found = lens.psf(at, pixels=pixels, pitch_um=pitch_um, object_distance=object_distance)
+    half = 0.5 * pixels * found.pitch_mm * 1000
+    level = np.log10(np.maximum(found.energy / found.energy.max(), 1e-6))
+    image = ax.imshow(level, extent=(-half, half, -half, half), origin="lower", cmap="magma")
+    ax.figure.colorbar(image, ax=ax, label="log10 of the energy, of the peak")
+    strehl = found.wavefront.strehl
+    ax.set(title=f"{lens.name}: Strehl ratio {strehl:.3f}", xlabel="µm", ylabel="µm")
+    return ax
+
+
 def distortion(camera: Camera, ax: Axes | None = None) -> Axes:
     """Plots the distortion over the field, in percent."""
     ax = ax or plt.subplots()[1]

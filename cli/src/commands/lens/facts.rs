@@ -152,12 +152,19 @@ fn first_order(optics: Option<FirstOrder>, stated: Option<f64>) -> [Fact; 5] {
     ]
 }
 
-/// Returns the focal length and the focus in the meridian x of a lens that is not symmetric; the others are those in y.
+/// Returns the focal length, the focus and the f-number in the meridian x of a lens that is not symmetric; the others are
+/// those in y.
 fn across(lens: &Lens) -> Fact {
     let optics = FirstOrder::in_meridian(lens, Meridian::X).ok();
+    // The beam of a distant point is measured by exact rays, here of the lens turned by a right angle.
+    let beam = AxialBeam::of(&lens.turned());
+    let f_number = optics.map(|o| beam.fnumber(o.focal_length)).filter(|number| number.is_finite());
     let text = optics.map(|o| {
         let [focal_length, back] = [o.focal_length, o.back_focal_distance()].map(|length| fixed(length, 4));
-        format!("focal length {focal_length} mm, back focal dist. {back} mm; the other figures are in y")
+        let f_number = f_number.map_or("none".to_owned(), |number| fixed(number, 4));
+        format!(
+            "focal length {focal_length} mm, back focal dist. {back} mm, f-number {f_number}; the other figures are in y"
+        )
     });
     fact(
         "in x",
@@ -165,6 +172,8 @@ fn across(lens: &Lens) -> Fact {
         json!({
             "focal_length_x_mm": optics.map(|o| o.focal_length),
             "back_focal_distance_x_mm": optics.map(|o| o.back_focal_distance()),
+            "entrance_pupil_diameter_x_mm": beam.diameter(),
+            "fnumber_x": f_number,
         }),
     )
 }

@@ -93,6 +93,14 @@ impl ImagePoint {
         let object_distance =
             if object_distance > FAR * film_distance { f64::INFINITY } else { object_distance };
         let film = lens.rear().vertex - film_distance;
+        if !(object_distance > -film) {
+            return Err(Failure::Other(format!(
+                "the object, {} mm from the film, is not in front of the lens, which begins {} mm from the film; give another \
+                 --object-distance or --film-distance",
+                fixed(object_distance, 3),
+                fixed(-film, 3)
+            )));
+        }
         let object = object_of(lens, [args.at[0], args.at[1], film], object_distance)?;
         let lenses = match &args.spectrum {
             None => vec![(opened.lens.clone(), 1.0)],

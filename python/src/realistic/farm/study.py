@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .. import measure
+from .. import _waves, measure
 from ..camera import Camera
 from ..errors import Error, FocusError, LensFileError, ParameterError, warnings_to
 from ..measure import Field, diffraction_mtf
@@ -49,6 +49,7 @@ def study(
     *,
     frequencies: float | Iterable[float] = (10.0, 30.0),
     resolution: tuple[int, int] = (1500, 1000),
+    diffraction: bool = False,
     client: Any = None,
     processes: int | None = None,
     retries: int = 2,
@@ -77,6 +78,9 @@ def study(
         Frequencies of the MTF, line pairs per mm on the film.
     resolution : (int, int)
         Width and height of the picture, pixels; only the aspect ratio matters.
+    diffraction : bool
+        Whether to add the wavefront and the MTF with diffraction (`Lens.mtf`), which takes some tenths of a second per
+        row and needs the program `realistic`.
     client : dask.distributed.Client or concurrent.futures.Executor, optional
         Workers for the jobs; default processes of this machine.
     processes : int, optional
@@ -109,6 +113,8 @@ def study(
         - `spot_rms_um`, on the film;
         - for each frequency F, the geometric `mtf_tangential_F` and `mtf_sagittal_F`, and their diffraction limit,
           `mtf_diffraction_F`;
+        - with `diffraction`, `wavefront_rms` (waves), `strehl`, and for each frequency F `wave_mtf_tangential_F` and
+          `wave_mtf_sagittal_F`;
         - `relative_illumination`, relative to the middle; `distortion`; `acceptance`, the share of camera rays that
           pass the lens; NaN where there is no light;
         - `failed`, whether the row has no measures because the lens cannot be read or cannot focus so near, the middle
@@ -132,16 +138,31 @@ def study(
     far, colours, lines = ([float(each) for each in _several(given)] for given in several)
     points = fields if isinstance(fields, Field) else Field.fractions(np.asarray(_several(fields), float))
     jobs = [
-        _Job(os.fspath(lens), stop, distance, colour, points, lines, resolution_of(resolution), dict(parameters))
+        _Job(
+            os.fspath(lens),
+            stop,
+            distance,
+            colour,
+            points,
+            lines,
+            resolution_of(resolution),
+            dict(parameters),
+            diffraction,
+        )
         for lens, stop, distance, colour in product(named, stops, far, colours)
     ]
     found = [json.loads(result) for result in workers.do(_measured, jobs, _failed, "camera")]
-    cells = np.full((len(jobs), points.x.size), np.nan, _dtype(lines, found))
+    cells = np.full((len(jobs), points.x.size), np.nan, _dtype(lines, found, diffraction))
     for row, columns in zip(cells, found):
         for name, values in columns.items():
             row[name] = values
     # A job has all field points of one wavelength; in the table, the wavelength changes fastest.
     return Table(cells.reshape(-1, len(colours), points.x.size).swapaxes(1, 2).ravel() if cells.size else cells.ravel())
+
+
+_CURVES = ("tangential", "sagittal")
+# Parameters of a camera that its lens has, too.
+_OF_LENS = {"glass_catalog", "strict", "focus_by", "zoom", "mm_per_unit", "blades", "blade_rotation", "blade_curvature"}
 
 
 @dataclass(frozen=True)
@@ -156,6 +177,7 @@ class _Job:
     frequencies: Sequence[float]
     resolution: tuple[int, int]
     parameters: dict[str, Any]
+    diffraction: bool = False
 
     def result(self, found: dict[str, Any], notes: Sequence[str], failed: ArrayLike) -> bytes:
         """Returns the rows as JSON: a camera's columns by name, each with one value per field point."""
@@ -178,7 +200,7 @@ def _several(given: Any) -> list[Any]:
     return list(given)
 
 
-def _dtype(frequencies: Sequence[float], found: Sequence[dict[str, list[Any]]]) -> np.dtype[Any]:
+def _dtype(frequencies: Sequence[float], found: Sequence[dict[str, list[Any]]], diffraction: bool) -> np.dtype[Any]:
     """Returns the dtype of the table, with its columns in order."""
 
     def text(name: str) -> tuple[str, str]:
@@ -189,6 +211,9 @@ def _dtype(frequencies: Sequence[float], found: Sequence[dict[str, list[Any]]]) 
     names += [
         f"mtf_{curve}_{frequency:g}" for frequency in frequencies for curve in ("tangential", "sagittal", "diffraction")
     ]
+    if diffraction:
+        names += ["wavefront_rms", "strehl"]
+        names += [f"wave_mtf_{curve}_{frequency:g}" for frequency in frequencies for curve in _CURVES]
     names += ["relative_illumination", "distortion", "acceptance"]
     return np.dtype([text("lens"), *((name, "f8") for name in names), ("failed", "?"), text("note")])
 
@@ -260,4 +285,35 @@ def _measure(job: _Job, found: dict[str, Any]) -> NDArray[np.bool_]:
             fill(f"mtf_tangential_{frequency:g}", mtf[:, 0, k])
             fill(f"mtf_sagittal_{frequency:g}", mtf[:, 1, k])
         fill("distortion", measure.distortion(camera, points, distance=job.focus_distance))
+        if job.diffraction:
+            for name, numbers in _diffracted(job, camera, image_xy[reached]).items():
+                fill(name, numbers)
     return reached
+
+
+def _diffracted(job: _Job, camera: Camera, image_xy: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+    """Returns the columns with diffraction, at points of the picture in pixels."""
+    names = ["wavefront_rms", "strehl"]
+    names += [f"wave_mtf_{curve}_{frequency:g}" for frequency in job.frequencies for curve in _CURVES]
+    if job.parameters.get("model", "lens") != "lens":
+        return {name: np.full(len(image_xy), np.nan) for name in names}
+    own = {name: value for name, value in job.parameters.items() if name in _OF_LENS}
+    lens = {**own, "lens_file": job.lens, "fnumber": job.fnumber, "wavelength": job.wavelength}
+    lens["film_distance"] = camera.film_distance
+    scale = own.get("mm_per_unit", 1.0)
+    size, pixel = np.asarray(camera.resolution), camera.film_size_mm[0] / camera.resolution[0]
+    # The image on the film is upside down.
+    points = (image_xy - size / 2) * pixel * [-1.0, 1.0]
+    rows = []
+    for point in points:
+        try:
+            tables = _waves.mtf(lens, job.frequencies, point, job.focus_distance * scale, None, 192, (0.0,))
+        except Error as error:
+            if "nearer the axis" not in str(error):
+                raise
+            # No light, or no chief ray, at this point.
+            rows.append([np.nan] * len(names))
+            continue
+        curves = np.stack([tables[0].tangential, tables[0].sagittal], axis=1)
+        rows.append([tables[0].wavefront.rms, tables[0].wavefront.strehl, *curves.ravel()])
+    return dict(zip(names, np.asarray(rows, np.float64).reshape(-1, len(names)).T))
