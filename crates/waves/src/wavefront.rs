@@ -10,7 +10,7 @@ use crate::{
 use realistic_optics::{
     imaging::{axial_beam::stop_or_limiting, chief::ChiefRays},
     lens::{Lens, Ray, film_ray, pupil::EntrancePupil, refraction::Refraction},
-    trace::{Direction, Path},
+    trace::{Direction, Path, Walk},
 };
 use realistic_trace::kernel::PathKernel;
 use thiserror::Error;
@@ -89,7 +89,7 @@ pub struct Node {
     pub power: f64,
     /// Amplitude times the area of q that the ray represents: a d²q.
     pub amplitude: f64,
-    /// Where the ray meets the film, relative to the image point, mm along the film's axes.
+    /// The point at which the ray meets the film, relative to the image point, mm along the film's axes.
     pub landing: [f64; 2],
 }
 
@@ -102,9 +102,7 @@ pub struct Wavefront {
     pub wavelength: f64,
     /// The image point, where the chief ray meets the film, image space, mm.
     pub image: [f64; 3],
-    /// q of the chief ray.
-    pub chief: [f64; 2],
-    /// How finely it was sampled.
+    /// How finely the pupil was sampled.
     pub sampling: Sampling,
 }
 
@@ -137,23 +135,7 @@ impl Wavefront {
         image: Option<[f64; 3]>,
     ) -> Result<Self, WaveError> {
         let chief_rays = ChiefRays::new(lens, Direction::SceneToFilm);
-        let size = lens.front().semi_diameter;
-        // The centre of the stop is searched from where the point sees the entrance pupil.
-        let pupil = EntrancePupil::of_surface(lens, stop_or_limiting(lens)).position().unwrap_or(0.0);
-        let aimed = [object.seen_through([0.0, 0.0, pupil]), [0.0; 2]]
-            .into_iter()
-            .find_map(|start| chief_rays.aimed(|point| object.ray(point), start, size))
-            .ok_or(WaveError::NoChiefRay)?;
-        let walk = chief_rays.path().walk(object.ray(aimed));
-        let chief = Passed {
-            origin: walk.ray.origin,
-            direction: walk.ray.direction,
-            path: walk.optical_path,
-            light: 1.0,
-        };
-        if walk.blocked.is_some() {
-            return Err(WaveError::NoChiefRay);
-        }
+        let (aimed, chief) = chief_ray(lens, &chief_rays, object)?;
         let image = image.unwrap_or_else(|| film.meeting(chief.origin, chief.direction));
         let [_, n] = lens.outer_indices();
         // The optical path of a ray to the foot of the perpendicular from the image point.
@@ -191,7 +173,7 @@ impl Wavefront {
         if nodes.is_empty() {
             return Err(WaveError::Dark);
         }
-        Ok(Self { nodes, wavelength: lens.wavelength * 1e-6, image, chief: q_of(&chief), sampling })
+        Ok(Self { nodes, wavelength: lens.wavelength * 1e-6, image, sampling })
     }
 
     /// Returns the same pupil without path differences: that of a perfect lens.
@@ -268,6 +250,25 @@ impl Wavefront {
         });
         zernike::fitted(ordering, count, samples)
     }
+}
+
+/// Returns where the chief ray of an object point crosses the plane z = 0, and the ray behind the lens.
+fn chief_ray(
+    lens: &Lens,
+    chief_rays: &ChiefRays,
+    object: ObjectPoint,
+) -> Result<([f64; 2], Passed), WaveError> {
+    let pupil = EntrancePupil::of_surface(lens, stop_or_limiting(lens)).position().unwrap_or(0.0);
+    // The centre of the stop is searched from where the point sees the entrance pupil.
+    let aimed = [object.seen_through([0.0, 0.0, pupil]), [0.0; 2]]
+        .into_iter()
+        .find_map(|start| chief_rays.aimed(|point| object.ray(point), start, lens.front().semi_diameter))
+        .ok_or(WaveError::NoChiefRay)?;
+    let Walk { ray, optical_path, blocked, .. } = chief_rays.path().walk(object.ray(aimed));
+    if blocked.is_some() {
+        return Err(WaveError::NoChiefRay);
+    }
+    Ok((aimed, Passed { origin: ray.origin, direction: ray.direction, path: optical_path, light: 1.0 }))
 }
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {

@@ -68,7 +68,7 @@ fn radial(n: i32, m: i32, r: f64) -> f64 {
         .sum()
 }
 
-/// Returns the coefficients of the first `count` polynomials that fit samples best: each has its point, its value and its
+/// Returns the coefficients of the first `count` polynomials that fit samples best. A sample is a point, a value and a
 /// weight. The normal equations are solved by Cholesky's method; polynomials that the samples do not tell apart get 0.
 pub fn fitted(
     ordering: Ordering,
@@ -92,7 +92,7 @@ pub fn fitted(
 /// Smallest pivot, relative to the diagonal, that is told from 0.
 const INDEPENDENT: f64 = 1e-12;
 
-/// Solves equations with a symmetric matrix, of which the lower half is given.
+/// Solves linear equations. The matrix is symmetric, and only its lower half is read.
 fn solved(mut matrix: Vec<Vec<f64>>, mut right: Vec<f64>) -> Vec<f64> {
     let count = right.len();
     for i in 0..count {
