@@ -7,8 +7,14 @@ from typing import TYPE_CHECKING, Any
 import bpy
 import numpy as np
 
+import realistic
+
 if TYPE_CHECKING:
     from pathlib import Path
+
+
+# Lenses that are not round have no shader.
+ROUND = tuple(name for name in realistic.catalogue() if realistic.Lens(name).is_round)
 
 
 def empty(size: tuple[int, int], samples: int) -> tuple[Any, Any]:

@@ -7,7 +7,7 @@ import subprocess
 import bpy
 import numpy as np
 import pytest
-from stage import empty, picture, show_directions, use_shader
+from stage import ROUND, empty, picture, show_directions, use_shader
 
 import realistic
 
@@ -41,7 +41,7 @@ def instrumented(text: str, screen: float) -> str:
     return f"{before}  if (shown > 0) {{\n    direction = {direction};\n    throughput = 1;\n    return;\n  }}\n{trace}{after}"
 
 
-@pytest.mark.parametrize("name", realistic.catalogue())
+@pytest.mark.parametrize("name", ROUND)
 def test_rays_are_those_of_double_precision(lenses, program, name, tmp_path):
     text, facts = lenses[name]
     if facts["focuses_by_groups"]:
