@@ -388,7 +388,7 @@ impl OpenedLens {
         Ok((lens, film_distance))
     }
 
-    /// Returns the lens as it is set, at another wavelength, nm.
+    /// Returns the lens with the same settings at another wavelength, nm.
     ///
     /// # Errors
     /// As for [`open_lens`].

@@ -44,6 +44,17 @@ impl Film {
         self.half().map(|half| half - 0.5)
     }
 
+    /// Returns the distance of the plane in focus from the film, mm; infinite for a film beyond the image of any object,
+    /// which has nothing in focus.
+    pub fn object_distance(&self, lens: &Lens) -> f64 {
+        // After rounding, an object at infinity may be merely far away.
+        Focus::new(lens)
+            .ok()
+            .and_then(|focus| focus.object_distance(lens.rear().vertex - self.z))
+            .filter(|distance| *distance < INFINITE * self.diagonal)
+            .unwrap_or(f64::INFINITY)
+    }
+
     /// Returns the angle of the part of a circle that lies on the film; `radius` is in pixels.
     fn arc(&self, radius: f64) -> f64 {
         // In one quadrant the arc runs from one edge of the film to the other.
@@ -131,13 +142,7 @@ impl ChiefField {
         let pinhole = EntrancePupil::of_surface(lens, stop_or_limiting(lens))
             .position()
             .ok_or_else(|| FieldError::Telecentric(lens.name.clone()))?;
-        // A film beyond the image of any object has nothing in focus. After rounding, an object at infinity may be
-        // merely far away.
-        let distance = Focus::new(lens)
-            .ok()
-            .and_then(|focus| focus.object_distance(lens.rear().vertex - film.z))
-            .filter(|distance| *distance < INFINITE * film.diagonal)
-            .unwrap_or(f64::INFINITY);
+        let distance = film.object_distance(lens);
         let in_focus = film.z + distance;
         if !(in_focus > pinhole.max(0.0)) {
             return Err(FieldError::TooNear { lens: lens.name.clone(), distance });

@@ -3,7 +3,7 @@
 use super::field::Film;
 use super::map::Map;
 use rayon::prelude::*;
-use realistic_optics::imaging::{axial_beam::stop_or_limiting, chief::ChiefRays, focus::Focus};
+use realistic_optics::imaging::{axial_beam::stop_or_limiting, chief::ChiefRays};
 use realistic_optics::lens::{Lens, Ray, film_ray, pupil::EntrancePupil};
 use realistic_optics::trace::Direction;
 
@@ -18,14 +18,12 @@ pub struct PlaneField {
     /// Distance of the nodes, pixels, along x and y, and their numbers.
     step: [f64; 2],
     count: [usize; 2],
-    /// The rays, in rows from the top; `None` where there is none.
+    /// The rays in rows from the top; `None` at a node without a chief ray.
     chiefs: Vec<Option<Chief>>,
 }
 
 /// Number of intervals between nodes along the longer side of the film.
 const INTERVALS: f64 = 64.0;
-/// Object distance, in film diagonals, that counts as infinity.
-const INFINITE: f64 = 1e9;
 
 impl PlaneField {
     /// Traces the chief rays of a film.
@@ -37,11 +35,7 @@ impl PlaneField {
         let step = [0, 1].map(|axis| 2.0 * half[axis] / intervals[axis]);
         let count = intervals.map(|intervals| intervals as usize + 1);
         let pinhole = EntrancePupil::of_surface(lens, stop_or_limiting(lens)).position().unwrap_or(0.0);
-        let in_focus = Focus::new(lens)
-            .ok()
-            .and_then(|focus| focus.object_distance(lens.rear().vertex - film.z))
-            .filter(|distance| *distance < INFINITE * film.diagonal)
-            .map(|distance| film.z + distance);
+        let in_focus = Some(film.z + film.object_distance(lens)).filter(|plane| plane.is_finite());
         let at = |k: usize| {
             let [right, down] = [k % count[0], k / count[0]];
             // The image is upside down: the pixel at the right sees the object at the right by film at the left.

@@ -205,7 +205,7 @@ fn what_cannot_be_exported_is_refused_with_what_to_do() {
 }
 
 /// Returns height, width, channels and values of a `NumPy` file.
-fn npy(path: &Path) -> ([usize; 3], Vec<f32>) {
+pub fn npy(path: &Path) -> ([usize; 3], Vec<f32>) {
     let bytes = fs::read(path).unwrap();
     let start = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
     assert!(bytes.starts_with(b"\x93NUMPY\x01\x00") && start.is_multiple_of(64));

@@ -1,6 +1,6 @@
 //! Commands with lenses that are not round: what they report, draw and write, and what they refuse by name.
 
-use super::{fails, succeeds};
+use super::{export::npy, fails, succeeds};
 use realistic_optics::{
     lens::{Lens, Ray},
     prescription::catalogue,
@@ -87,11 +87,8 @@ fn maps_hold_the_exact_chief_rays_of_lenses_that_are_not_round() {
         let words = ["export", name, "--as", "rays", "--size", "96x64", "--json", "-o", path];
         let report = json(&words);
         assert_eq!(report["lit_share_of_film"], 1.0, "{name}");
-        let bytes = std::fs::read(&file).expect("written");
-        let values: Vec<f32> = bytes[bytes.len() - 4 * 6 * 96 * 64..]
-            .chunks_exact(4)
-            .map(|four| f32::from_le_bytes(four.try_into().expect("four bytes")))
-            .collect();
+        let (shape, values) = npy(&file);
+        assert_eq!(shape, [64, 96, 6], "{name}");
         // The ray of a pixel, sent back, comes from that pixel's film point: raster x grows against x of the film.
         let prescription = catalogue::find(name).expect("listed");
         let lens = Lens::at_d_line(&prescription);
@@ -134,9 +131,9 @@ fn st_maps_of_an_anamorphic_lens_lead_there_and_back() {
     // Squeezed to a half along x.
     assert!((y / x - 128.651 / 65.586).abs() < 0.02, "{x} {y}");
     let maps = ["undistort", "distort"].map(|direction| {
-        let bytes = std::fs::read(path.with_extension(format!("{direction}.npy"))).expect("written");
-        let floats = bytes[bytes.len() - 4 * 3 * 96 * 64..].chunks_exact(4);
-        floats.map(|four| f32::from_le_bytes(four.try_into().expect("four bytes"))).collect::<Vec<f32>>()
+        let (shape, values) = npy(&path.with_extension(format!("{direction}.npy")));
+        assert_eq!(shape, [64, 96, 3], "{direction}");
+        values
     });
     for (column, row) in [(3_usize, 5_usize), (90, 60), (47, 31), (20, 40)] {
         // From the lens's picture to the pinhole's by one map, and back by the other, interpolated.

@@ -4,7 +4,7 @@ use realistic_optics::{imaging::focus::Focus, lens::Lens, prescription::catalogu
 use realistic_waves::{FilmPlane, Psf, Sampling, Wavefront, wavefront::object_of};
 use std::time::{Duration, Instant};
 
-/// Number of repetitions, of which the fastest counts.
+/// Number of repetitions. The fastest one is reported.
 const REPETITIONS: usize = 20;
 
 fn fastest<R>(work: impl Fn() -> R) -> (Duration, R) {

@@ -1,4 +1,4 @@
-//! What diffraction makes of a point: wavefronts, point spread functions (PSF) and modulation transfer functions (MTF).
+//! Diffraction: wavefronts, point spread functions (PSF) and modulation transfer functions (MTF) of a lens.
 //!
 //! Light of an object point leaves the lens as a wave. Near the film it is a sum of plane waves, one for each ray: a ray
 //! with the unit direction d in a medium of index n' is the plane wave exp(i k n' d·x). With the optical path (OPL) of the

@@ -7,6 +7,7 @@ use crate::{
     pupil::{Beam, Passed, nodes},
     zernike::{self, Ordering},
 };
+use realistic_base::numeric::dot;
 use realistic_optics::{
     imaging::{axial_beam::stop_or_limiting, chief::ChiefRays},
     lens::{Lens, Ray, film_ray, pupil::EntrancePupil, refraction::Refraction},
@@ -269,10 +270,6 @@ fn chief_ray(
         return Err(WaveError::NoChiefRay);
     }
     Ok((aimed, Passed { origin: ray.origin, direction: ray.direction, path: optical_path, light: 1.0 }))
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 fn between(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {

@@ -84,14 +84,22 @@ def mtf(
     for i, field in enumerate(points.labels):
         ax.plot(frequencies, values[i, 0], color=f"C{i}", label=f"field {field}")
         ax.plot(frequencies, values[i, 1], color=f"C{i}", linestyle="--")
-    ax.plot([], [], color="0.3", label="tangential")
-    ax.plot([], [], color="0.3", linestyle="--", label="sagittal")
+    _directions(ax)
     if camera.interfaces > 0:
         limit = measure.diffraction_mtf(camera, frequencies)
         ax.plot(frequencies, limit, color="0.3", linestyle=":", label="limit of diffraction")
-    ax.set(
-        title=f"{_name(camera)}: geometric MTF", xlabel="line pairs per mm on the film", xlim=(0, highest), ylim=(0, 1)
-    )
+    return _contrasts(ax, f"{_name(camera)}: geometric MTF", "line pairs per mm on the film", highest)
+
+
+def _directions(ax: Axes) -> None:
+    """Adds the styles of tangential and sagittal lines to the legend."""
+    ax.plot([], [], color="0.3", label="tangential")
+    ax.plot([], [], color="0.3", linestyle="--", label="sagittal")
+
+
+def _contrasts(ax: Axes, title: str, xlabel: str, highest: float) -> Axes:
+    """Labels the axes of contrasts up to a frequency and returns them."""
+    ax.set(title=title, xlabel=xlabel, xlim=(0, highest), ylim=(0, 1))
     ax.legend(fontsize=8)
     ax.grid(alpha=0.3)
     return ax
@@ -114,13 +122,9 @@ def wave_mtf(
         ax.plot(frequencies, found.tangential, color=f"C{i}", label=f"{x:g}, {y:g} mm")
         ax.plot(frequencies, found.sagittal, color=f"C{i}", linestyle="--")
         ax.plot(frequencies, found.perfect[0], color=f"C{i}", linestyle=":")
-    ax.plot([], [], color="0.3", label="tangential")
-    ax.plot([], [], color="0.3", linestyle="--", label="sagittal")
+    _directions(ax)
     ax.plot([], [], color="0.3", linestyle=":", label="perfect lens")
-    ax.set(title=f"{lens.name}: MTF with diffraction", xlabel="cycles per mm", xlim=(0, highest), ylim=(0, 1))
-    ax.legend(fontsize=8)
-    ax.grid(alpha=0.3)
-    return ax
+    return _contrasts(ax, f"{lens.name}: MTF with diffraction", "cycles per mm", highest)
 
 
 def psf(

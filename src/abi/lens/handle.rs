@@ -1,5 +1,7 @@
 //! Construction and release of lenses, and the check that a pointer points to a lens.
 
+use std::sync::OnceLock;
+
 use super::super::{
     boundary::{self, Failure, realistic_status},
     camera::construct,
@@ -48,15 +50,18 @@ pub(super) struct DirectedLens {
     pub direction: Direction,
     pub path: Path,
     pub kernel: Kernel<f64>,
-    /// The kernel for rays whose optical paths are requested.
-    pub path_kernel: PathKernel,
+    path_kernel: OnceLock<PathKernel>,
 }
 
 impl DirectedLens {
     fn new(lens: &Lens, direction: Direction) -> Self {
         let path = Path::new(lens, direction, Default::default());
-        let (kernel, path_kernel) = (Kernel::along(&path), PathKernel::along(&path));
-        Self { direction, kernel, path_kernel, path }
+        Self { direction, kernel: Kernel::along(&path), path_kernel: OnceLock::new(), path }
+    }
+
+    /// Returns the kernel for rays whose optical paths are requested, which few hosts do.
+    pub fn path_kernel(&self) -> &PathKernel {
+        self.path_kernel.get_or_init(|| PathKernel::along(&self.path))
     }
 }
 

@@ -188,7 +188,7 @@ unsafe fn in_blocks(lens: &DirectedLens, n: usize, rays: &RayColumns) {
             buffer.put(i, origin, direction);
         }
         if rays.optical_paths.is_there() {
-            lens.path_kernel.trace_in_place(&mut buffer.part(0..count), &mut optical_paths[..count]);
+            lens.path_kernel().trace_in_place(&mut buffer.part(0..count), &mut optical_paths[..count]);
         } else {
             lens.kernel.trace_in_place(&mut buffer.part(0..count));
         }

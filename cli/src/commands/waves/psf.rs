@@ -8,7 +8,7 @@ use crate::failure::Failure;
 use crate::files;
 use crate::image::{Picture, Tone};
 use realistic_base::message::fixed;
-use realistic_waves::{Psf, Sampling, WaveError};
+use realistic_waves::{Psf, Wavefront};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -53,14 +53,13 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let wavefronts = point.wavefronts(point.sampling, 0.0)?;
     let first = &wavefronts[0].1;
     let pitch = args.pitch.map_or(first.wavelength / (8.0 * first.circle().1), |um| um * 1e-3);
-    let of = |sampling: Sampling| -> Result<Psf, WaveError> {
-        let parts = point.wavefronts(sampling, 0.0)?;
+    let of = |wavefronts: &[(f64, Wavefront)]| -> Psf {
         let parts: Vec<(f64, Psf)> =
-            parts.iter().map(|(weight, wave)| (*weight, Psf::new(wave, args.pixels, pitch))).collect();
-        Ok(Psf::mixed(&parts).expect("at least one wavelength"))
+            wavefronts.iter().map(|(weight, wave)| (*weight, Psf::new(wave, args.pixels, pitch))).collect();
+        Psf::mixed(&parts).expect("at least one wavelength")
     };
-    let psf = of(point.sampling)?;
-    let error = psf.difference(&of(point.sampling.coarser())?);
+    let psf = of(&wavefronts);
+    let error = psf.difference(&of(&point.wavefronts(point.sampling.coarser(), 0.0)?));
     warn_unless_valid(error, point.sampling.across);
     if let Some(out) = &args.out {
         write(&psf, out)?;
