@@ -45,8 +45,8 @@ impl ChiefRays {
         &self.path
     }
 
-    /// Returns the ray, of those that `ray` makes of two parameters, that meets the stop's centre. `start` are the
-    /// parameters from which the search begins, `unit` is their size. `None` if there is none that the search finds.
+    /// Returns the two parameters from which `ray` makes the ray that meets the stop's centre. The search begins at `start`;
+    /// `unit` is the size of the parameters. `None` if the search finds no such ray.
     pub fn aimed(&self, ray: impl Fn([f64; 2]) -> Ray, start: [f64; 2], unit: f64) -> Option<[f64; 2]> {
         let miss = |at: [f64; 2]| self.path.meeting_point(ray(at), self.stop);
         let distance = |[x, y]: [f64; 2]| x.hypot(y) / self.size;
@@ -89,7 +89,7 @@ impl ChiefRays {
 }
 
 /// Follows a solution from part 0 of a way to part 1; `at` finds it at a part, beginning from the last one found.
-pub fn follow(at: impl Fn(f64, [f64; 2]) -> Option<[f64; 2]>, start: [f64; 2]) -> Option<[f64; 2]> {
+fn follow(at: impl Fn(f64, [f64; 2]) -> Option<[f64; 2]>, start: [f64; 2]) -> Option<[f64; 2]> {
     let (mut part, mut step, mut found) = (0.0, 1.0_f64, at(0.0, start)?);
     while part < 1.0 {
         match at((part + step).min(1.0), found) {

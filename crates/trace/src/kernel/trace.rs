@@ -164,10 +164,7 @@ fn trace_steps<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>, const U: usize>
                     let minus_z = ray.minus_z(cpu, &conic.transfer);
                     let lead = ray.lead(conic.common.is_led).unwrap_or(L::splat(cpu, L::Scalar::ZERO));
                     let crossing = ray.conic(cpu, conic, carried.media(state), minus_z, lead);
-                    carried.cross(cpu, number, state, &crossing);
-                    if conic.common.is_mirror {
-                        carried.turn_round(cpu, state);
-                    }
+                    conic.common.cross(cpu, carried, number, state, &crossing);
                 }
             }
             Step::General(step) if U == 1 => {
@@ -254,9 +251,6 @@ fn meet<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>, const V: usize>(
     }
     let crossings = asphere.trace(cpu, rays, media, minus_z, leads);
     for v in 0..count {
-        carried.cross(cpu, number, &mut states[v], &crossings[v]);
-        if asphere.common.is_mirror {
-            carried.turn_round(cpu, &mut states[v]);
-        }
+        asphere.common.cross(cpu, carried, number, &mut states[v], &crossings[v]);
     }
 }

@@ -217,24 +217,6 @@ impl<L: Lanes, A: Apertures<L>, C: Carried<L::Scalar>> Compiled for GeneralSteps
     }
 }
 
-impl<S: Scalar> Common<S> {
-    /// Takes the data that rays carry across the surface.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn cross<L: Lanes<Scalar = S>, C: Carried<S>>(
-        &self,
-        cpu: Cpu<L>,
-        carried: &C,
-        number: usize,
-        state: &mut C::State<L>,
-        crossing: &Crossing<L>,
-    ) {
-        carried.cross(cpu, number, state, crossing);
-        if self.is_mirror {
-            carried.turn_round(cpu, state);
-        }
-    }
-}
-
 impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
     /// Moves rays to the vertex plane of a surface, as [`Self::reach_plane`] does.
     #[cfg_attr(not(debug_assertions), inline(always))]

@@ -6,7 +6,11 @@
 //! profile z(u) = c u/(1 + √(1 - (1 + k) c² u)) + T(u) is the height above the vertex plane ([`Profile`]).
 
 use super::{
-    super::surface::{CompiledSurface, Transfer},
+    super::{
+        carried::Carried,
+        ray_lanes::Crossing,
+        surface::{CompiledSurface, Transfer},
+    },
     plan::NewtonPlan,
 };
 use realistic_base::numeric::Real;
@@ -104,6 +108,22 @@ pub struct Common<S> {
 }
 
 impl<S: Scalar> Common<S> {
+    /// Takes the data that rays carry across the surface.
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn cross<L: Lanes<Scalar = S>, C: Carried<S>>(
+        &self,
+        cpu: Cpu<L>,
+        carried: &C,
+        number: usize,
+        state: &mut C::State<L>,
+        crossing: &Crossing<L>,
+    ) {
+        carried.cross(cpu, number, state, crossing);
+        if self.is_mirror {
+            carried.turn_round(cpu, state);
+        }
+    }
+
     /// Builds the constants of a surface that rays approach from the plane z = `start`. `lowest` is the least z, with a
     /// margin for double precision, and `tolerance` is its rounding error there.
     pub fn new(surface: &CompiledSurface<'_>, start: f64, [lowest, tolerance]: [f64; 2]) -> Self {
