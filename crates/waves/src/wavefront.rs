@@ -8,6 +8,7 @@ use crate::{
     zernike::{self, Ordering},
 };
 use realistic_base::numeric::dot;
+use realistic_light::{LitPath, Surfaces};
 use realistic_optics::{
     imaging::{axial_beam::stop_or_limiting, chief::ChiefRays},
     lens::{Lens, Ray, film_ray, pupil::EntrancePupil, refraction::Refraction},
@@ -121,15 +122,17 @@ impl Wavefront {
         film: &FilmPlane,
         sampling: Sampling,
     ) -> Result<Self, WaveError> {
-        Self::about(lens, object, film, sampling, None)
+        Self::about(lens, None, object, film, sampling, None)
     }
 
-    /// Traces the rays as [`Wavefront::new`] does, but about a given image point, mm, such as that of another wavelength.
+    /// Traces the rays as [`Wavefront::new`] does, but with the light that `surfaces` transmit and glasses do not absorb, and
+    /// about a given image point, mm, such as that of another wavelength. Phases of coatings are left out.
     ///
     /// # Errors
     /// As for [`Wavefront::new`].
     pub fn about(
         lens: &Lens,
+        surfaces: Option<&Surfaces>,
         object: ObjectPoint,
         film: &FilmPlane,
         sampling: Sampling,
@@ -145,6 +148,7 @@ impl Wavefront {
         let whole = path_of(&chief);
         let path = Path::new(lens, Direction::SceneToFilm, Refraction::default()).with_apertures(lens);
         let kernel = PathKernel::along(&path);
+        let lit = surfaces.map(|surfaces| LitPath::new(path, surfaces));
         let beam = Beam { kernel: &kernel, object };
         let points = nodes(&beam, lens, Some(aimed), sampling.across);
         let rays = beam.trace(&points.iter().map(|(point, _)| *point).collect::<Vec<_>>());
@@ -162,7 +166,12 @@ impl Wavefront {
             let (q, [a, b]) = (q_of(ray), [a, b].map(q_of));
             let [ax, ay, bx, by] = [a[0] - q[0], a[1] - q[1], b[0] - q[0], b[1] - q[1]];
             let stretch = (ax * by - ay * bx).abs() / (h * h);
-            let density = object.power(*point) * ray.light;
+            // With its surfaces, a path has the light of pictures in the stop, too.
+            let light = match &lit {
+                None => ray.light,
+                Some(lit) => lit.trace(object.ray(*point)).map_or(0.0, |(_, light)| light),
+            };
+            let density = object.power(*point) * light;
             nodes.push(Node {
                 q,
                 w: path_of(ray) - whole,

@@ -2,10 +2,11 @@
 
 use std::f64::consts::{PI, TAU};
 
+use realistic_light::Surfaces;
 use realistic_optics::{
     imaging::{axial_beam::stop_or_limiting, focus::Focus},
     lens::{Lens, first_order::FirstOrder, pupil::EntrancePupil},
-    prescription::{catalogue, read},
+    prescription::{Coating, catalogue, read},
 };
 use realistic_waves::{
     FilmPlane, ObjectPoint, Psf, Sampling, Wavefront, airy_mtf, mtf::Contrast, seidel, wavefront::object_of,
@@ -222,4 +223,31 @@ fn third_order_sums_are_those_of_the_wavefront_of_a_small_pupil_and_field() {
             "{name}: {landing} {expected}"
         );
     }
+}
+
+#[test]
+fn an_uncoated_surface_dims_rays_by_fresnels_equations() {
+    let (lens, focus) = perfect(70.0);
+    let object = ObjectPoint::toward(&lens, [0.0, 0.0, 1.0]).expect("in front");
+    let film = FilmPlane::across(-focus);
+    let bare = Surfaces::new(&lens, Coating::Bare);
+    let clear = Wavefront::new(&lens, object, &film, COARSE).expect("lit");
+    let lit = Wavefront::about(&lens, Some(&bare), object, &film, COARSE, None).expect("lit");
+    let n = 1.5_f64;
+    let mut least = 1.0_f64;
+    for (clear, lit) in clear.nodes.iter().zip(&lit.nodes) {
+        assert_eq!((clear.q, clear.w), (lit.q, lit.w));
+        // n d' - d is normal to the surface; d is along the axis, and q is n d' across it.
+        let across = lit.q[0].hypot(lit.q[1]);
+        let along = (n * n - across * across).sqrt() - 1.0;
+        let cosine = along / across.hypot(along);
+        let behind = (1.0 - (1.0 - cosine * cosine) / (n * n)).sqrt();
+        let [s, p] =
+            [(cosine, n * behind), (n * cosine, behind)].map(|(a, b)| 1.0 - ((a - b) / (a + b)).powi(2));
+        let expected = f64::midpoint(s, p);
+        least = least.min(expected);
+        assert!((lit.power / clear.power - expected).abs() < 1e-6, "{} {expected}", lit.power / clear.power);
+        assert!(((lit.amplitude / clear.amplitude).powi(2) - expected).abs() < 1e-6);
+    }
+    assert!(least < 0.955, "the edge loses more than the middle: {least}");
 }

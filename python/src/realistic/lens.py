@@ -398,6 +398,7 @@ class Lens:
         rays: int = 256,
         pixels: int = 128,
         pitch_um: float | None = None,
+        transmission: str | None = None,
     ) -> Psf:
         """Returns the picture of a point, with diffraction, and its wavefront.
 
@@ -415,6 +416,9 @@ class Lens:
             Number of pixels along a side, 8 to 1024.
         pitch_um : float, optional
             Side of a pixel, micrometres; a quarter of the wavelength times the f-number by default.
+        transmission : str, optional
+            Coatings by which surfaces transmit light, as for a camera: "bare", "quarter-wave", "v-coat", "three-layer" or
+            "file"; glasses then absorb, too. None of this counts by default.
 
         Raises
         ------
@@ -423,7 +427,11 @@ class Lens:
         FileNotFoundError
             If the program is not installed.
         """
-        return psf(self._parameters, at, object_distance, spectrum, rays, pixels, pitch_um)
+        return psf(self._lit(transmission), at, object_distance, spectrum, rays, pixels, pitch_um)
+
+    def _lit(self, transmission: str | None) -> dict[str, Any]:
+        """Returns the lens's parameters with those of its transmission."""
+        return {**self._parameters, "transmission": transmission}
 
     def wavefront(
         self,
@@ -431,10 +439,11 @@ class Lens:
         *,
         object_distance: float | None = None,
         rays: int = 128,
+        transmission: str | None = None,
     ) -> Wavefront:
         """Returns the wavefront at an image point: RMS, Strehl ratio, Zernike coefficients. The parameters, and the
         errors raised, are those of `Lens.psf`."""
-        return psf(self._parameters, at, object_distance, None, rays, 8, None).wavefront
+        return psf(self._lit(transmission), at, object_distance, None, rays, 8, None).wavefront
 
     def mtf(
         self,
@@ -444,6 +453,7 @@ class Lens:
         object_distance: float | None = None,
         spectrum: Mapping[float, float] | None = None,
         rays: int = 256,
+        transmission: str | None = None,
     ) -> WaveMtf:
         """Returns the contrast of fine detail at an image point, with diffraction, by rays alone, and of a perfect lens.
         `measure.mtf` of a camera is geometric, and in pixels of its picture.
@@ -452,10 +462,10 @@ class Lens:
         ----------
         frequencies : sequence of float
             Cycles per mm, positive.
-        at, object_distance, spectrum, rays
+        at, object_distance, spectrum, rays, transmission
             As for `Lens.psf`, which also has the errors raised.
         """
-        return mtf(self._parameters, frequencies, at, object_distance, spectrum, rays, (0.0,))[0]
+        return mtf(self._lit(transmission), frequencies, at, object_distance, spectrum, rays, (0.0,))[0]
 
     def mtf_through_focus(
         self,
@@ -466,9 +476,10 @@ class Lens:
         object_distance: float | None = None,
         spectrum: Mapping[float, float] | None = None,
         rays: int = 256,
+        transmission: str | None = None,
     ) -> tuple[WaveMtf, ...]:
         """Returns `Lens.mtf` for film moved away from the lens by each of several distances, mm, at most 101."""
-        return mtf(self._parameters, frequencies, at, object_distance, spectrum, rays, defocus_mm)
+        return mtf(self._lit(transmission), frequencies, at, object_distance, spectrum, rays, defocus_mm)
 
     def trace(
         self,

@@ -7,7 +7,8 @@ pub mod psf;
 use crate::arguments::{LensChoice, distance, whole};
 use crate::failure::Failure;
 use realistic_base::message::{as_given, fixed};
-use realistic_optics::{imaging::focus::Focus, lens::Lens};
+use realistic_light::Surfaces;
+use realistic_optics::{imaging::focus::Focus, lens::Lens, prescription::SurfaceCoating};
 use realistic_waves::{
     FilmPlane, ObjectPoint, Sampling, WaveError, Wavefront, seidel, wavefront::object_of, zernike::Ordering,
 };
@@ -64,6 +65,8 @@ const MOST_WAVELENGTHS: usize = 64;
 struct ImagePoint {
     /// The lens at each wavelength, and the weights.
     lenses: Vec<(Lens, f64)>,
+    /// Coatings of the surfaces, from the scene on; `None` if transmission is ignored.
+    coatings: Option<Vec<SurfaceCoating>>,
     name: String,
     film_distance: f64,
     object_distance: f64,
@@ -84,7 +87,7 @@ impl ImagePoint {
     /// # Errors
     /// There is no such lens, it makes no image, or the point has no chief ray.
     fn of(args: &PointArgs) -> Result<Self, Failure> {
-        let opened = args.lens.open_with_stop()?;
+        let opened = args.lens.open_with_stop_and_transmission()?;
         let film_distance = opened.film_distance()?;
         let lens = &opened.lens;
         let in_focus = || Focus::new(lens).ok().and_then(|focus| focus.object_distance(film_distance));
@@ -112,6 +115,7 @@ impl ImagePoint {
         };
         Ok(Self {
             lenses,
+            coatings: opened.coatings()?,
             name: lens.name.clone(),
             film_distance,
             object_distance,
@@ -127,7 +131,8 @@ impl ImagePoint {
         let mut image = None;
         let at = |(lens, weight): &(Lens, f64)| {
             let plane = FilmPlane::across(lens.rear().vertex - self.film_distance - defocus);
-            let wavefront = Wavefront::about(lens, self.object, &plane, sampling, image)?;
+            let surfaces = self.coatings.as_ref().map(|coatings| Surfaces::of_each(lens, coatings));
+            let wavefront = Wavefront::about(lens, surfaces.as_ref(), self.object, &plane, sampling, image)?;
             image = Some(wavefront.image);
             Ok((*weight, wavefront))
         };
