@@ -126,8 +126,8 @@ def test_an_aspheres_constants_are_those_of_the_file(checkout):
     bent = [surface for surface in lens.surfaces if surface.conic != 0 or any(surface.aspheric)]
     assert len(bent) >= 6
     for surface in lens.surfaces:
-        a2 = surface.aspheric[0]
-        assert len(surface.aspheric) == 29
+        a2 = surface.aspheric[1]
+        assert len(surface.aspheric) == 30
         assert 1 / surface.radius_mm == pytest.approx(1 / surface.conic_radius_mm + 2 * a2, rel=1e-12, abs=1e-15)
 
 
@@ -155,7 +155,7 @@ def test_points_lie_on_their_surfaces_and_end_where_the_ray_does(name, side):
         inside = r <= surface.semi_diameter_mm
         c = 1 / surface.conic_radius_mm
         depth = c * r**2 / (1 + np.sqrt(1 - (1 + surface.conic) * c**2 * r**2))
-        depth += sum(a * r ** (i + 2) for i, a in enumerate(surface.aspheric))
+        depth += sum(a * r ** (i + 1) for i, a in enumerate(surface.aspheric))
         np.testing.assert_allclose((surface.vertex_mm - depth - z)[inside], 0, atol=1e-12)
 
 
@@ -399,6 +399,9 @@ def test_lenses_that_are_not_round_have_two_focal_lengths():
     assert lens.focal_length_mm == pytest.approx(128.651, abs=1e-3)
     assert lens.focal_length_x_mm == pytest.approx(65.586, abs=1e-3)
     assert lens.back_focal_distance_x_mm == pytest.approx(32.886, abs=1e-3)
+    # A small object in the exit pupil is enlarged by the ratio of the diameters; the pupils of a round lens are the same.
+    assert lens.fnumber_x == pytest.approx(lens.focal_length_x_mm / lens.pupils_x.entrance_diameter_mm)
+    assert lens.pupils_x.exit_mm != pytest.approx(lens.pupils.exit_mm, rel=0.01)
     cylinder = lens.surfaces[12]
     assert np.isinf(cylinder.radius_mm) and cylinder.radius_x_mm == pytest.approx(-99.505)
     assert not lens.is_round and not cylinder.is_round
@@ -407,4 +410,5 @@ def test_lenses_that_are_not_round_have_two_focal_lengths():
         outlines(lens.surfaces)
     mirror = realistic.Lens("mirror.500mm")
     assert mirror.focal_length_x_mm == mirror.focal_length_mm and not mirror.is_round
+    assert mirror.pupils_x == mirror.pupils and mirror.fnumber_x == mirror.fnumber
     assert [number for number, surface in enumerate(mirror.surfaces) if surface.is_mirror] == [3, 6]

@@ -107,6 +107,11 @@ class LensInfo(ctypes.Structure):
         ("back_focal_distance_x_mm", c_double),
         ("is_centred", c_uint32),
         ("mirrors", c_uint32),
+        ("fnumber_x", c_double),
+        ("entrance_pupil_x_mm", c_double),
+        ("entrance_pupil_diameter_x_mm", c_double),
+        ("exit_pupil_x_mm", c_double),
+        ("exit_pupil_diameter_x_mm", c_double),
     ]
 
 
@@ -124,7 +129,7 @@ class LensSurface(ctypes.Structure):
         ("semi_diameter_mm", c_double),
         ("conic_radius_mm", c_double),
         ("conic", c_double),
-        ("aspheric", c_double * 29),
+        ("aspheric", c_double * 30),
         ("radius_x_mm", c_double),
         ("is_mirror", c_uint32),
         ("is_turned", c_uint32),

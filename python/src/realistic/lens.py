@@ -188,7 +188,7 @@ class Lens:
 
     @property
     def focal_length_x_mm(self) -> float:
-        """Effective focal length in the meridian x; other figures are those in the meridian y.
+        """Effective focal length in the meridian x; figures without `x` in their names are those in y.
 
         The two differ for lenses with cylinders, toroids, biconics or tilted surfaces.
         """
@@ -271,6 +271,22 @@ class Lens:
         return Pupils(
             info.entrance_pupil_mm, info.entrance_pupil_diameter_mm, info.exit_pupil_mm, info.exit_pupil_diameter_mm
         )
+
+    @property
+    def pupils_x(self) -> Pupils:
+        """Entrance and exit pupil in the meridian x."""
+        info = self._info
+        return Pupils(
+            info.entrance_pupil_x_mm,
+            info.entrance_pupil_diameter_x_mm,
+            info.exit_pupil_x_mm,
+            info.exit_pupil_diameter_x_mm,
+        )
+
+    @property
+    def fnumber_x(self) -> float:
+        """Absolute focal length in the meridian x divided by the width of the axial beam there."""
+        return float(self._info.fnumber_x)
 
     @property
     def nominal_film_distance_mm(self) -> float:

@@ -37,7 +37,7 @@ class Surface(NamedTuple):
     conic: float
     """Conic constant k: 0 for a sphere and a plane, -1 for a paraboloid."""
     aspheric: tuple[float, ...]
-    """Coefficients A2, A3, ... A30, in mm^(1-i), of the sag z = c r²/(1 + √(1 - (1 + k) c² r²)) + Σ Ai r^i toward the
+    """Coefficients A1, A2, ... A30, in mm^(1-i), of the sag z = c r²/(1 + √(1 - (1 + k) c² r²)) + Σ Ai r^i toward the
     film; all 0 if the surface is not aspheric."""
     radius_x_mm: float
     """Radius in the meridian x; differs from `radius_mm`, that in y, for cylinders, toroids and biconics."""
@@ -56,7 +56,7 @@ def sag(surface: Surface, height: NDArray[np.float64]) -> NDArray[np.float64]:
     """Returns the sag of a surface at a height, mm from its vertex toward the film: conic plus powers of the height."""
     curvature = 1 / surface.conic_radius_mm
     root = np.sqrt(np.maximum(1 - (1 + surface.conic) * (curvature * height) ** 2, 0))
-    powers = np.polynomial.polynomial.polyval(np.abs(height), [0.0, 0.0, *surface.aspheric])
+    powers = np.polynomial.polynomial.polyval(np.abs(height), [0.0, *surface.aspheric])
     found: NDArray[np.float64] = curvature * height * height / (1 + root) + powers
     return found
 

@@ -14,7 +14,7 @@ use realistic_light::{Surfaces, TStop};
 use realistic_optics::{
     imaging::{axial_beam::AxialBeam, focus::Focus, plane_of_focus::FocusedFilm},
     lens::first_order::FirstOrder,
-    prescription::{Asphere, Coating, Meridian, NO_TERMS},
+    prescription::{Asphere, Coating, NO_TERMS},
 };
 
 /// First-order data of a lens (M. Born and E. Wolf, *Principles of Optics*, chapter 4). z is a coordinate in
@@ -91,6 +91,16 @@ pub struct realistic_lens_info {
     pub is_centred: u32,
     /// Number of mirrors among the surfaces.
     pub mirrors: u32,
+    /// The f-number, and z and diameters of the pupils as above, in the meridian x.
+    pub fnumber_x: f64,
+    /// z of the entrance pupil in the meridian x, mm.
+    pub entrance_pupil_x_mm: f64,
+    /// Diameter of the entrance pupil in the meridian x, mm.
+    pub entrance_pupil_diameter_x_mm: f64,
+    /// z of the exit pupil in the meridian x, mm.
+    pub exit_pupil_x_mm: f64,
+    /// Diameter of the exit pupil in the meridian x, mm.
+    pub exit_pupil_diameter_x_mm: f64,
 }
 
 /// One surface of a lens. `realistic_lens_get_surface` fills this structure.
@@ -119,12 +129,12 @@ pub struct realistic_lens_surface {
     /// curvature.
     pub conic_radius_mm: f64,
     /// Conic constant k: 0 for a sphere or a plane, -1 for a paraboloid, less for a hyperboloid. With c =
-    /// 1/`conic_radius_mm` and r the distance from the axis, the surface lies c r²/(1 + √(1 - (1 + k) c² r²)) + A2 r² +
-    /// A3 r³ + … + A30 r^30 behind its vertex plane, toward the film (W. J. Smith, *Modern Optical Engineering*, on
+    /// 1/`conic_radius_mm` and r the distance from the axis, the surface lies c r²/(1 + √(1 - (1 + k) c² r²)) + A1 r +
+    /// A2 r² + … + A30 r^30 behind its vertex plane, toward the film (W. J. Smith, *Modern Optical Engineering*, on
     /// aspheric surfaces).
     pub conic: f64,
-    /// Coefficients A2, A3, … A30 of the asphere; Ai is in mm^(1 - i).
-    pub aspheric: [f64; 29],
+    /// Coefficients A1, A2, … A30 of the asphere; Ai is in mm^(1 - i).
+    pub aspheric: [f64; 30],
     /// Vertex radius in the meridian x, mm. It differs from `radius_mm`, which is that in y, for a cylinder, a toroid or a
     /// biconic; their other numbers are not given.
     pub radius_x_mm: f64,
@@ -153,7 +163,11 @@ fn info_of(opened: &OpenedLens) -> realistic_lens_info {
     let AxialBeam { entrance, exit, .. } = beam;
     let [index_scene, index_film] = lens.outer_indices();
     let optics = first_order.as_ref().ok();
-    let in_x = FirstOrder::in_meridian(lens, Meridian::X).ok();
+    // The section of the turned lens in y is that of the lens in x.
+    let turned = (!lens.is_centred()).then(|| lens.turned());
+    let in_x = turned.as_ref().map_or(optics.copied(), |lens| FirstOrder::of(lens).ok());
+    let beam_in_x = turned.as_ref().map_or(*beam, AxialBeam::of);
+    let focal_length_x = in_x.map_or(f64::INFINITY, |optics| optics.focal_length);
     let of = |position: fn(&FirstOrder) -> f64| optics.map_or(f64::NAN, position);
     let focal_length = optics.map_or(f64::INFINITY, |optics| optics.focal_length);
     let tnumber = |coating: Coating| {
@@ -187,10 +201,15 @@ fn info_of(opened: &OpenedLens) -> realistic_lens_info {
         index_film,
         front_nodal_point_mm: of(|optics| optics.nodal_points()[0]),
         rear_nodal_point_mm: of(|optics| optics.nodal_points()[1]),
-        focal_length_x_mm: in_x.map_or(f64::INFINITY, |optics| optics.focal_length),
+        focal_length_x_mm: focal_length_x,
         back_focal_distance_x_mm: in_x.map_or(f64::NAN, |optics| optics.back_focal_distance()),
         is_centred: lens.is_centred().into(),
         mirrors: lens.surfaces.iter().filter(|surface| surface.is_mirror).count() as u32,
+        fnumber_x: beam_in_x.fnumber(focal_length_x),
+        entrance_pupil_x_mm: beam_in_x.entrance.position().unwrap_or(f64::INFINITY),
+        entrance_pupil_diameter_x_mm: beam_in_x.entrance.diameter(),
+        exit_pupil_x_mm: beam_in_x.exit.position().unwrap_or(f64::INFINITY),
+        exit_pupil_diameter_x_mm: beam_in_x.exit.diameter(),
     }
 }
 

@@ -11,7 +11,7 @@ fn sagitta(surface: &realistic_lens_surface, r: f64) -> [f64; 2] {
     let c = surface.conic_radius_mm.recip();
     let root = (1.0 - (1.0 + surface.conic) * c * c * r * r).sqrt();
     let mut found = [c * r * r / (1.0 + root), c * r / root];
-    for (term, i) in surface.aspheric.iter().zip(2..) {
+    for (term, i) in surface.aspheric.iter().zip(1..) {
         found[0] += term * r.powi(i);
         found[1] += f64::from(i) * term * r.powi(i - 1);
     }

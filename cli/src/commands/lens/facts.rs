@@ -3,7 +3,7 @@
 
 use realistic_base::message::{as_given, fixed};
 use realistic_light::{Surfaces, TStop};
-use realistic_optics::prescription::{Coating, Meridian, Prescription};
+use realistic_optics::prescription::{Coating, Prescription};
 use realistic_optics::{
     imaging::axial_beam::AxialBeam,
     lens::{Lens, first_order::FirstOrder},
@@ -36,7 +36,6 @@ impl Facts {
     /// Collects the facts of a lens. `film_distance` is the distance from the last vertex to the film in mm, if the
     /// film has a position, and `diagonal` is the film's diagonal in mm.
     pub fn of(prescription: &Prescription, lens: &Lens, film_distance: Option<f64>, diagonal: f64) -> Self {
-        let optics = FirstOrder::of(lens).ok();
         let Prescription { name, title, stated_focal_length: stated, .. } = prescription;
         let mut facts = vec![
             fact("lens", name.clone(), json!({ "name": name })),
@@ -49,12 +48,15 @@ impl Facts {
             shape(lens),
             media(lens),
         ];
-        facts.extend(first_order(optics, *stated));
-        facts.extend((!lens.is_centred()).then(|| across(lens)));
-        let beam = AxialBeam::of(lens);
-        facts.extend(pupils(lens, optics, &beam));
-        facts.extend(transmission(prescription, lens, optics, &beam));
-        facts.extend(film(lens, optics, film_distance, diagonal));
+        facts.extend(in_both_meridians(lens, |lens| {
+            let optics = FirstOrder::of(lens).ok();
+            let pupils = pupils(lens, optics, &AxialBeam::of(lens));
+            first_order(optics, *stated).into_iter().chain(pupils).collect()
+        }));
+        facts.extend(transmission(prescription, lens, FirstOrder::of(lens).ok()));
+        facts.extend(in_both_meridians(lens, |lens| {
+            film(lens, FirstOrder::of(lens).ok(), film_distance, diagonal).into()
+        }));
         Self(facts)
     }
 
@@ -152,29 +154,32 @@ fn first_order(optics: Option<FirstOrder>, stated: Option<f64>) -> [Fact; 5] {
     ]
 }
 
-/// Returns the focal length, the focus and the f-number in the meridian x of a lens that is not symmetric; the others are
-/// those in y.
-fn across(lens: &Lens) -> Fact {
-    let optics = FirstOrder::in_meridian(lens, Meridian::X).ok();
-    // The beam of a distant point is measured by exact rays, here of the lens turned by a right angle.
-    let beam = AxialBeam::of(&lens.turned());
-    let f_number = optics.map(|o| beam.fnumber(o.focal_length)).filter(|number| number.is_finite());
-    let text = optics.map(|o| {
-        let [focal_length, back] = [o.focal_length, o.back_focal_distance()].map(|length| fixed(length, 4));
-        let f_number = f_number.map_or("none".to_owned(), |number| fixed(number, 4));
-        format!(
-            "focal length {focal_length} mm, back focal dist. {back} mm, f-number {f_number}; the other figures are in y"
-        )
+/// Returns facts of the meridian y, each with that of x behind it where a lens that is not round has another one.
+fn in_both_meridians(lens: &Lens, facts_of: impl Fn(&Lens) -> Vec<Fact>) -> Vec<Fact> {
+    let in_y = facts_of(lens);
+    if lens.is_centred() {
+        return in_y;
+    }
+    // The section of the turned lens in y is that of the lens in x.
+    let in_x = facts_of(&lens.turned());
+    let pairs = in_y.into_iter().zip(in_x);
+    let with_x = pairs.map(|(y, x)| {
+        let text = x.text.filter(|text| y.text.as_ref() != Some(text));
+        let x = (y.json != x.json).then(|| fact("  in x", text, key_in_x(&x.json)));
+        [Some(y), x]
     });
-    fact(
-        "in x",
-        text.unwrap_or_else(|| "afocal; the other figures are in y".to_owned()),
-        json!({
-            "focal_length_x_mm": optics.map(|o| o.focal_length),
-            "back_focal_distance_x_mm": optics.map(|o| o.back_focal_distance()),
-            "entrance_pupil_diameter_x_mm": beam.diameter(),
-            "fnumber_x": f_number,
-        }),
+    with_x.flatten().flatten().collect()
+}
+
+/// Returns the JSON of a fact with `_x` in its keys, before their units.
+fn key_in_x(json: &Value) -> Value {
+    let of =
+        |key: &String| match ["_mm", "_deg"].iter().find_map(|unit| Some((key.strip_suffix(unit)?, unit))) {
+            Some((stem, unit)) => format!("{stem}_x{unit}"),
+            None => format!("{key}_x"),
+        };
+    Value::Object(
+        json.as_object().into_iter().flatten().map(|(key, value)| (of(key), value.clone())).collect(),
     )
 }
 
@@ -240,12 +245,8 @@ fn pupils(lens: &Lens, optics: Option<FirstOrder>, beam: &AxialBeam) -> [Fact; 4
 }
 
 /// Returns the T-numbers for the named coatings, and for the coatings of the lens file if it names any.
-fn transmission(
-    prescription: &Prescription,
-    lens: &Lens,
-    optics: Option<FirstOrder>,
-    beam: &AxialBeam,
-) -> Option<Fact> {
+fn transmission(prescription: &Prescription, lens: &Lens, optics: Option<FirstOrder>) -> Option<Fact> {
+    let beam = AxialBeam::of(lens);
     let focal_length = optics?.focal_length;
     let of_all = |coating: Coating| Surfaces::new(lens, coating);
     let mut stops = vec![
@@ -257,7 +258,7 @@ fn transmission(
     }
     let (mut texts, mut json) = (Vec::new(), Map::new());
     for (words, key, surfaces) in stops {
-        let stop = TStop::of(lens, &surfaces, beam, focal_length)?;
+        let stop = TStop::of(lens, &surfaces, &beam, focal_length)?;
         let left = fixed(100.0 * stop.transmission, 1);
         texts.push(format!("{} {words} (transmits {left} %)", fixed(stop.number, 4)));
         json.insert(format!("tnumber_{key}"), json!(stop.number.is_finite().then_some(stop.number)));
