@@ -202,6 +202,12 @@ fn the_first_of_several_crossings_is_met_and_no_later_one() {
         // Half ellipsoids that end at 3.6 and 3.2, whose terms move the edge off the conic's equator.
         asphere(3.6, 0.0, &[(4, 4e-3)]),
         asphere(4.5, 1.0, &[(6, -4e-4), (10, 1e-7)]),
+        // Cones, alone, with waves, and on half ellipsoids.
+        asphere(f64::INFINITY, 0.0, &[(1, 0.7)]),
+        asphere(f64::INFINITY, 0.0, &[(1, 2.0), (3, -0.15)]),
+        asphere(6.0, -0.5, &[(1, -0.6), (4, 2e-3)]),
+        asphere(3.6, 0.0, &[(1, 0.15)]),
+        asphere(4.5, 0.5, &[(1, -0.1), (4, 1e-3)]),
     ];
     let (mut met, mut blocked, mut several) = (0, 0, 0);
     let mut random = Random::new(8);
@@ -263,6 +269,36 @@ fn the_first_of_several_crossings_is_met_and_no_later_one() {
     }
     println!("{met} met, {blocked} blocked, {several} cross again");
     assert!(met > 500 && blocked > 100 && several > 8, "{met} {blocked} {several}");
+}
+
+#[test]
+fn an_axicon_turns_parallel_light_by_one_angle() {
+    // A cone of the half angle 90 - α behind glass: n sin α = sin(α + δ).
+    let (n, slope, semi) = (1.5_f64, 0.3_f64, 10.0);
+    let tilt = slope.atan();
+    let turned = (n * tilt.sin()).asin() - tilt;
+    for sign in [1.0, -1.0] {
+        let cone = Shape::Asphere(asphere(f64::INFINITY, 0.0, &[(1, sign * slope)]));
+        let axicon = lens(&[(Shape::Plane, 8.0, n, semi), (cone, 0.0, 1.0, semi)]);
+        let rays = parallel((1..40).map(|i| 0.99 * semi * f64::from(i) / 39.0));
+        let path = Path::<f64>::scene_to_film(&axicon);
+        let walked: Vec<_> = rays.iter().map(|ray| path.trace(*ray).ok()).collect();
+        let double = by_kernel::<f64>(&axicon, Direction::SceneToFilm, &rays);
+        let single = by_kernel::<f32>(&axicon, Direction::SceneToFilm, &rays);
+        for (traced, most) in [(walked, 1e-13), (double, 1e-13), (single, 1e-5)] {
+            for (ray, left) in rays.iter().zip(traced) {
+                let left = left.expect("passes");
+                let [x, y, z] = left.direction;
+                let outward = (x * ray.origin[0] + y * ray.origin[1]) / ray.origin[0].hypot(ray.origin[1]);
+                assert!((outward.atan2(-z) - sign * turned).abs() < most, "{outward} {turned}");
+                let [x, y, z] = left.origin;
+                assert!((z + 8.0 + sign * slope * x.hypot(y)).abs() < 1e2 * most, "{left:?}");
+            }
+        }
+        // Nothing turns the ray through the tip.
+        let axis = path.trace(Ray { origin: [0.0, 0.0, 40.0], direction: [0.0, 0.0, -1.0] }).expect("passes");
+        assert_eq!(axis.direction, [0.0, 0.0, -1.0]);
+    }
 }
 
 #[test]

@@ -58,9 +58,14 @@ pub fn surface(text: &mut String, surface: &Surface, limit: &str, step: &str, li
             for (power, term) in odd {
                 let scale = term * figure.rim.powi(power as i32);
                 let _ = write!(value, " + {}*o", number(scale));
-                let _ = write!(slope, " + {}*o", number(scale * power as f64 / 2.0 / rim_squared));
+                let _ = write!(slope, " + {}*", number(scale * power as f64 / 2.0 / rim_squared));
                 value += &"*p".repeat(power / 2);
-                slope += &"*p".repeat(power / 2 - 1);
+                // On the axis, x and y make the slope of a cone count nothing.
+                slope += &if power == 1 {
+                    "1/max(o, 1e-9)".to_owned()
+                } else {
+                    "o".to_owned() + &"*p".repeat(power / 2 - 1)
+                };
             }
         }
         // Beyond the clear aperture, the code adds a difference that is exactly 0 within it.

@@ -11,7 +11,7 @@ use realistic_optics::{
 pub type Sums = [f64; 5];
 
 /// Returns the sums of each surface for an object point, from the scene on; `None` for a lens that is not round, that has
-/// terms of r³, or whose entrance pupil lies at infinity. At the edge of the pupil of the point, the wavefront has the
+/// terms of r or r³, or whose entrance pupil lies at infinity. At the edge of the pupil of the point, the wavefront has the
 /// spherical aberration -S_I/8, the coma -S_II/2, the astigmatism -S_III/2 and the field curvature -(S_III + S_IV)/4, in the
 /// sign of [`Wavefront`](crate::Wavefront) and over heights in the pupil; the higher a ray is there, the lower is its q (W. T.
 /// Welford, *Aberrations of Optical Systems*, 1986, chapter 8).
@@ -61,11 +61,12 @@ pub fn sums(lens: &Lens, object: &ObjectPoint) -> Option<Vec<Sums>> {
     Some(sums)
 }
 
-/// Returns the coefficient of r⁴ by which a surface differs from the sphere of its vertex; `None` with a term of r³.
+/// Returns the coefficient of r⁴ by which a surface differs from the sphere of its vertex; `None` with a term of r or
+/// r³.
 fn deformation(surface: &Surface) -> Option<f64> {
     let Some(figure) = &surface.figure else { return Some(0.0) };
     let asphere = &figure.asphere;
-    let [_, cubic, quartic, ..] = asphere.terms;
     let conic = (1.0 + asphere.conic) * asphere.radius.recip().powi(3) / 8.0;
-    (cubic == 0.0).then_some(conic + quartic - figure.vertex_curvature().powi(3) / 8.0)
+    let has_odd = asphere.term(1) != 0.0 || asphere.term(3) != 0.0;
+    (!has_odd).then_some(conic + asphere.term(4) - figure.vertex_curvature().powi(3) / 8.0)
 }

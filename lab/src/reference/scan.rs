@@ -120,23 +120,23 @@ impl Scan {
         let root = if square > R::ZERO { square.sqrt() } else { R::ZERO };
         let edge_square = number(self.edge_radius) * number(self.edge_radius);
         let inside = if u > edge_square { edge_square } else { u };
-        // The sums of A_i r^i and of i A_i r^(i - 2); an odd power is r³ times a power of u.
+        // The sums of A_i r^i and of i A_i r^(i - 2); an odd power is r times a power of u.
         let mut power = inside;
         let (mut value, mut slope) = (R::ZERO, R::ZERO);
-        let [even, odd] = [0, 1].map(|first| self.terms().skip(first).step_by(2));
+        let [odd, even] = [0, 1].map(|first| self.terms().skip(first).step_by(2));
         let mut below = R::ONE;
         for (i, term) in even {
             value = value + number(term) * power;
             slope = slope + number(i) * number(term) * below;
             (below, power) = (power, power * inside);
         }
-        // On the axis the odd terms and their slopes vanish, and the square root has no derivative there.
-        if inside > R::ZERO && self.terms().skip(1).step_by(2).any(|(_, term)| term != 0.0) {
-            let mut below = inside.sqrt();
+        // On the axis the odd terms vanish, the tip of a cone has no slope, and the square root has no derivative.
+        if inside > R::ZERO && self.terms().step_by(2).any(|(_, term)| term != 0.0) {
+            let mut power = inside.sqrt();
             for (i, term) in odd {
-                slope = slope + number(i) * number(term) * below;
-                below = below * inside;
-                value = value + number(term) * below;
+                slope = slope + number(i) * number(term) * power / inside;
+                value = value + number(term) * power;
+                power = power * inside;
             }
         }
         let two = number(2.0);
@@ -200,10 +200,9 @@ impl Scan {
             value += term * middle.powi(power);
             slope += i / 2.0 * term * middle.powi(power - 2);
             steepest += i * term.abs() * high.powi(power - 1);
-            // The derivative of the first power with respect to u is constant.
-            if power > FIRST_POWER as i32 {
-                bend += i * (i - 2.0) / 2.0 * term.abs() * high.powi(power - 3);
-            }
+            // The derivative of r with respect to u is steepest at the inner edge; that of r² is constant.
+            let steepest = if power == 1 { low } else { high };
+            bend += i * (i - 2.0).abs() / 2.0 * term.abs() * steepest.powi(power - 3);
             edge_slope += i / 2.0 * term * self.edge_radius.powi(power - 2);
             edge_size += i / 2.0 * term.abs() * self.edge_radius.powi(power - 2);
         }

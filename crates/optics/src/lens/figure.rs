@@ -10,6 +10,8 @@
 //! magnitudes of the conic's sagitta and slope increase with r, so their values at the edges of an annulus bound them;
 //! the conic's curvatures are monotonic. The bounds include a margin for rounding errors, relative to the sum of the
 //! terms' magnitudes.
+//!
+//! The term of r, a cone, has no curvature at the vertex: bounds on curvatures leave it out, and `cone` is its slope.
 
 use crate::prescription::{Asphere, FIRST_POWER};
 
@@ -34,13 +36,13 @@ pub struct Bounds {
     /// Maximum |dz/dr|; infinite at the rim of half an ellipsoid.
     pub slope: f64,
     /// Minimum and maximum of the curvatures d²z/dr² and (dz/dr)/r, 1/mm. These also bound the second derivatives of z
-    /// in any direction perpendicular to the axis.
+    /// in any direction perpendicular to the axis, but for the cone's.
     pub curvature: [f64; 2],
     /// Maximum |T|, mm.
     pub terms: f64,
     /// Maximum |dT/dr|.
     pub terms_slope: f64,
-    /// Minimum and maximum of T's curvatures d²T/dr² and (dT/dr)/r, 1/mm.
+    /// Minimum and maximum of the curvatures d²T/dr² and (dT/dr)/r of T without the cone, 1/mm.
     pub terms_curvature: [f64; 2],
     /// Maximum Σ |`A_i`| r^i, mm. The rounding error of T is relative to this sum.
     pub terms_size: f64,
@@ -63,9 +65,9 @@ impl Figure {
         Some(Self { asphere: *asphere, rim: semi_diameter, bounds })
     }
 
-    /// Returns the curvature at the vertex, 1/mm, which first-order optics uses.
+    /// Returns the curvature at the vertex, 1/mm, which first-order optics uses. It leaves out the cone.
     pub fn vertex_curvature(&self) -> f64 {
-        self.asphere.radius.recip() + 2.0 * self.asphere.terms[0]
+        self.asphere.radius.recip() + 2.0 * self.asphere.term(2)
     }
 
     /// Returns the curvature (dT/dr)/r of the paraboloid beyond the rim, 1/mm.
@@ -90,9 +92,12 @@ impl Bounds {
     fn of(asphere: &Asphere, semi_diameter: f64) -> Self {
         let weighted = |weight: fn(f64) -> f64, shift: usize| -> Vec<f64> {
             let terms = (FIRST_POWER..).zip(&asphere.terms);
-            let mut coefficients = vec![0.0; FIRST_POWER - shift];
-            coefficients.extend(terms.map(|(power, term)| weight(power as f64) * term));
-            coefficients
+            let weighted = terms.map(|(power, term)| weight(power as f64) * term);
+            // Shifted by more than its power, a term is left out: the cone's curvature.
+            let left_out = shift.saturating_sub(FIRST_POWER);
+            std::iter::repeat_n(0.0, FIRST_POWER.saturating_sub(shift))
+                .chain(weighted.skip(left_out))
+                .collect()
         };
         let (terms, slope) = (weighted(|_| 1.0, 0), weighted(|i| i, 1));
         let curvatures = [weighted(|i| i, 2), weighted(|i| i * (i - 1.0), 2)];
@@ -233,7 +238,7 @@ mod tests {
                 assert!(bounds.sagitta[0] <= z && z <= bounds.sagitta[1], "{figure:?} at {r}");
                 assert!(t.abs() <= bounds.terms && slope.abs() <= bounds.terms_slope);
                 assert!(whole_slope.abs() <= bounds.slope);
-                let curvature = if r > 0.0 { slope / r } else { 2.0 * asphere.terms[0] };
+                let curvature = if r > 0.0 { slope / r } else { 2.0 * asphere.term(2) };
                 let [least, most] = bounds.terms_curvature;
                 assert!(least <= curvature && curvature <= most, "{figure:?} at {r}");
                 let whole = if r > 0.0 { whole_slope / r } else { figure.vertex_curvature() };

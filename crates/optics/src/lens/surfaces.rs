@@ -287,7 +287,7 @@ impl Lens {
                     Shape::Asphere(asphere) => {
                         let figure = Figure::new(&asphere, interface.semi_diameter);
                         // A2 contributes to the vertex curvature.
-                        let bent = |figure: &Figure| figure.asphere.terms[0] != 0.0;
+                        let bent = |figure: &Figure| figure.asphere.term(2) != 0.0;
                         let radius = match figure.filter(bent) {
                             Some(figure) => figure.vertex_curvature().recip(),
                             None => asphere.radius,

@@ -353,7 +353,7 @@ impl Prescription {
 }
 
 /// The lowest power of r in [`Asphere::terms`].
-pub const FIRST_POWER: usize = 2;
+pub const FIRST_POWER: usize = 1;
 /// The highest power of r in [`Asphere::terms`].
 pub const LAST_POWER: usize = 30;
 /// The coefficients of the terms, lowest power first.
@@ -371,11 +371,16 @@ pub struct Asphere {
     /// The conic constant k: 0 for a sphere, -1 for a paraboloid, less than -1 for a hyperboloid, between -1 and 0 for
     /// a prolate ellipsoid, more than 0 for an oblate ellipsoid.
     pub conic: f64,
-    /// A2, A3, … A30, in mm^(1 - i).
+    /// A1, A2, … A30, in mm^(1 - i). With A1 the vertex is the tip of a cone.
     pub terms: AsphereTerms,
 }
 
 impl Asphere {
+    /// Returns the coefficient of r^`power`.
+    pub fn term(&self, power: usize) -> f64 {
+        self.terms[power - FIRST_POWER]
+    }
+
     /// Returns the semi-diameter at which the conic ends, mm: half the width of an ellipsoid; infinite for an open
     /// surface.
     pub fn widest(&self) -> f64 {

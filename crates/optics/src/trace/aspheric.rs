@@ -16,6 +16,12 @@
 //! instead. If the inequality proves nothing, the ray is followed from its start in steps that the same bound allows;
 //! such steps cannot skip a crossing.
 //!
+//! **Cones.** At the tip of a cone, the term of r, φ'' has no bound. Along the ray, however, r(t) is convex. A cone that
+//! opens away from the ray only lowers φ''. One that opens toward the ray adds to φ its slope times r(t), which lies between
+//! the tangent at t and the chord to another point. With J, the slope times the difference of the two, both statements hold
+//! if φ'(t*) is replaced by φ'(t*) - J, and φ' at a step's start by φ' + J. A step's chord ends at the ray's point nearest to
+//! the axis, and behind it at the end of the search.
+//!
 //! **Behind the equator.** Where q < 0, no point belongs to the surface, whatever the sign of G. A ray starts behind
 //! the equator, at the height of the surface's edge, if the surface is hollow toward the light and reaches the equator
 //! of the conic, q = 0. Such a ray is followed by φ = q, in steps of the same kind, to the equator, and from the
@@ -47,6 +53,8 @@ pub struct Aspheric<R> {
     /// Coefficients of the odd powers, mm. The sum of the odd terms is s √s times the polynomial in s with these
     /// coefficients.
     pub odd: Vec<R>,
+    /// Coefficient of √s, mm: the cone.
+    pub cone: R,
     /// The square of the clear semi-diameter, mm². Beyond it, T continues as a paraboloid.
     pub rim: R,
     /// Bounds for the proof that a crossing is the first.
@@ -77,13 +85,15 @@ pub struct Bend {
     pub reach: f64,
 }
 
-/// A bound on φ'': φ'' is at most `along` + `across` (Vx² + Vy²).
+/// A bound on φ'': φ'' is at most `along` + `across` (Vx² + Vy²) + `cone` d²r/dt², where r(t) is the distance from the axis.
 #[derive(Clone, Copy, Debug)]
 pub struct BendBound {
     /// Part of the bound that is the same for every direction, 1/mm.
     pub along: f64,
     /// Factor of Vx² + Vy², 1/mm.
     pub across: f64,
+    /// Factor of d²r/dt²; 0 without a cone that opens toward the ray.
+    pub cone: f64,
 }
 
 /// The surface near a point of a ray.
@@ -129,12 +139,13 @@ impl Bend {
         let conic = [semi_diameter, reach * semi_diameter].map(|r| root_squared(r).sqrt());
         let least = conic.iter().flat_map(|root| [c / root, c / root.powi(3)]).fold(f64::INFINITY, f64::min);
         let beyond = if c == 0.0 { 0.0 } else { least } + bounds.edge_curvature;
-        let bound = |curvature: f64| BendBound { along: 0.0, across: (-curvature).max(0.0) };
+        let cone = (-bounds.cone).max(0.0);
+        let bound = |curvature: f64| BendBound { along: 0.0, across: (-curvature).max(0.0), cone };
         Self {
             inside: bound(bounds.curvature),
             beyond: bound(bounds.curvature.min(beyond)),
             by_height: true,
-            equator: bound(0.0),
+            equator: BendBound { along: 0.0, across: 0.0, cone: 0.0 },
             reach: (reach * semi_diameter).powi(2),
         }
     }
@@ -143,7 +154,8 @@ impl Bend {
     /// q'' = -κ c w''. -G'' stays finite at the end of a half ellipsoid.
     fn of_half([c, kappa]: [f64; 2], semi_diameter: f64, bounds: &TravelBounds, n: f64) -> Self {
         let [least, most] = bounds.terms_curvature;
-        // -w'' is the curvature of the terms multiplied by Vx² + Vy².
+        let cone = bounds.cone.abs();
+        // -w'' is the curvature of the terms multiplied by Vx² + Vy², and the cone's slope times d²r/dt².
         let largest = |factor: f64| (factor * least).max(factor * most).max(0.0);
         let bound = |reach: f64| {
             // Out to 3 radii, the paraboloid beyond the clear aperture triples the slope, and adds (3² - 1)/2 times the
@@ -156,13 +168,14 @@ impl Bend {
                 // |w'| <= |Vz| + slope √(Vx² + Vy²) <= n √(1 + slope²).
                 along: (-c * kappa).max(0.0) * n * n * (1.0 + slope * slope),
                 across: largest(-q[0]).max(largest(-q[1])) - c,
+                cone: cone * q[0].abs().max(q[1].abs()),
             }
         };
         Self {
             inside: bound(1.0),
             beyond: bound(Self::REACH),
             by_height: false,
-            equator: BendBound { along: 0.0, across: largest(kappa * c) },
+            equator: BendBound { along: 0.0, across: largest(kappa * c), cone: cone * (kappa * c).abs() },
             reach: (Self::REACH * semi_diameter).powi(2),
         }
     }
@@ -178,6 +191,8 @@ struct TravelBounds {
     terms: f64,
     terms_slope: f64,
     terms_curvature: [f64; 2],
+    /// Slope of the cone.
+    cone: f64,
 }
 
 impl<R: Real> Aspheric<R> {
@@ -195,6 +210,7 @@ impl<R: Real> Aspheric<R> {
             terms: bounds.terms,
             terms_slope: bounds.terms_slope,
             terms_curvature: signed(bounds.terms_curvature),
+            cone: sign * asphere.term(1),
         };
         let c = sign * asphere.radius.recip();
         let length = 2.0_f64.powi(rim.log2().floor() as i32);
@@ -216,8 +232,9 @@ impl<R: Real> Aspheric<R> {
             curvature,
             kappa: R::ONE + R::from_f64(asphere.conic),
             unit: R::from_f64(length * length),
-            even: column(FIRST_POWER),
-            odd: column(FIRST_POWER + 1),
+            even: column(2),
+            odd: column(3),
+            cone: R::from_f64(sign * asphere.term(1) * length),
             rim: R::from_f64(*rim) * R::from_f64(*rim),
             bend: Bend::of([c, 1.0 + asphere.conic], *rim, &travel_bounds, n),
             extent: [extent[0] - margin, extent[1] + margin],
@@ -229,7 +246,7 @@ impl<R: Real> Aspheric<R> {
 
     /// Returns whether the figure has no terms.
     pub fn is_conic(&self) -> bool {
-        self.even.is_empty() && self.odd.is_empty()
+        self.even.is_empty() && self.odd.is_empty() && self.cone == R::ZERO
     }
 
     /// Moves the ray to the surface. The hit may lie up to `slack` (in units of V) before the last point of the ray.
@@ -305,9 +322,10 @@ impl<R: Real> Aspheric<R> {
         let reach = number(self.bend.reach);
         let near = contact.height_squared <= reach && from_squared <= reach;
         let is_inside = contact.height_squared <= self.rim && from_squared <= self.rim;
-        let bend = self.bend_along(line, if is_inside { &self.bend.inside } else { &self.bend.beyond });
+        let bound = if is_inside { &self.bend.inside } else { &self.bend.beyond };
+        let bend = self.bend_along(line, bound) * span / number(2.0) + line.chord_excess(bound, t, from);
         let bend = if self.bend.by_height { bend * contact.q } else { bend };
-        let first = span >= zero && bend * span < contact.facing + contact.facing;
+        let first = span >= zero && bend < contact.facing;
         (near && first && contact.q > zero && contact.facing > zero).then_some(t)
     }
 
@@ -317,7 +335,7 @@ impl<R: Real> Aspheric<R> {
         let Bend { inside, beyond, equator, .. } = &self.bend;
         let [inside, beyond, equator] = [inside, beyond, equator].map(|bound| {
             let bend = self.bend_along(line, bound);
-            if bend > R::ZERO { bend } else { R::ZERO }
+            (bound, if bend > R::ZERO { bend } else { R::ZERO })
         });
         let end = (number(self.extent[1]) - line.start[2]) / line.v[2];
         let outside = |contact: &Contact<R>| !(contact.height_squared <= self.rim);
@@ -339,10 +357,18 @@ impl<R: Real> Aspheric<R> {
             }
             // The step is the distance to the point where a parabola with this bend reaches 0, if it does.
             let two = number(2.0);
-            let step_for = |bend: R| {
+            let nearest = line.nearest_to_axis();
+            let chord_end = if t < nearest && nearest < end { nearest } else { end };
+            let step_for = |(bound, bend): (&BendBound, R)| {
+                let facing = facing + line.chord_excess(bound, t, chord_end);
                 let root = (facing * facing + two * bend * before).sqrt();
                 let step = two * before / (facing + root);
-                (facing + root > R::ZERO && step > R::ZERO).then_some(step)
+                let reaches = facing + root > R::ZERO && step > R::ZERO;
+                // The chord's bound holds to its end.
+                let longest = chord_end - t;
+                let is_cut = bound.cone > 0.0 && chord_end < end && !(reaches && step < longest);
+                let step = if is_cut { longest } else { step };
+                (is_cut || reaches).then_some(step)
             };
             let stays_inside = |step: &R| !outside(&contact) && line.height_squared(t + *step) <= self.rim;
             let Some(step) = step_for(bends[0]).filter(stays_inside).or_else(|| step_for(bends[1])) else {
@@ -353,7 +379,7 @@ impl<R: Real> Aspheric<R> {
         Err(Blocked::Missed)
     }
 
-    /// Returns the upper bound of φ'' along a ray.
+    /// Returns the upper bound of φ'' along a ray, without the cone's part.
     fn bend_along(&self, line: &RayLine<R>, bound: &BendBound) -> R {
         let [vx, vy, _] = line.v;
         R::from_f64(bound.along) + R::from_f64(bound.across) * (vx * vx + vy * vy)
@@ -446,6 +472,14 @@ impl<R: Real> Aspheric<R> {
             value = value + root * part * odd;
             slope = slope + root * (R::from_f64(1.5) * odd + part * odd_slope);
         }
+        if self.cone != R::ZERO {
+            let root = part.sqrt();
+            value = value + self.cone * root;
+            // The tip has no normal; the axis stands in for it.
+            if root > R::ZERO {
+                slope = slope + self.cone / (root + root);
+            }
+        }
         [value, slope / self.unit]
     }
 
@@ -487,5 +521,26 @@ impl<R: Real> RayLine<R> {
     fn height_squared(&self, t: R) -> R {
         let [x, y, _] = self.at(t);
         x * x + y * y
+    }
+
+    /// Returns the t at which the ray is nearest to the axis; NaN for a ray parallel to it.
+    fn nearest_to_axis(&self) -> R {
+        let ([x, y, _], [vx, vy, _]) = (self.start, self.v);
+        -(x * vx + y * vy) / (vx * vx + vy * vy)
+    }
+
+    /// Returns J: the cone's part of a bound times the difference in slope between the chord of r(t) from t to `other` and the
+    /// tangent at t, 0 or more.
+    fn chord_excess(&self, bound: &BendBound, t: R, other: R) -> R {
+        let span = if other > t { other - t } else { t - other };
+        if bound.cone == 0.0 || !(span > R::ZERO) {
+            return R::ZERO;
+        }
+        let [here, there] = [t, other].map(|t| self.height_squared(t).sqrt());
+        let ([x, y, _], [vx, vy, _]) = (self.at(t), self.v);
+        // The tip has all slopes between that of the ray toward it and that of the ray away from it: 0 is one of them.
+        let slope = if here > R::ZERO { (x * vx + y * vy) / here } else { R::ZERO };
+        let tangent = here + slope * (other - t);
+        R::from_f64(bound.cone) * (there - tangent) / span
     }
 }

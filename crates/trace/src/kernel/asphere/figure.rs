@@ -2,7 +2,7 @@
 //! converted to constants in the precision of the lanes, with the number of steps that Newton's iteration takes at the
 //! surface.
 //!
-//! The terms T are evaluated as two polynomials in s = u/unit, u = r², and so is dT/ds ([`FigureTerms`]). The
+//! The terms T are evaluated as two polynomials in s = u/unit, u = r², and so is dT/ds, beside a cone ([`FigureTerms`]). The
 //! profile z(u) = c u/(1 + √(1 - (1 + k) c² u)) + T(u) is the height above the vertex plane ([`Profile`]).
 
 use super::{
@@ -67,19 +67,21 @@ pub struct LaneAsphere<S> {
     pub exact: Box<Aspheric<f64>>,
 }
 
-/// A bound of φ'': φ'' is at most `along` + `across` (Vx² + Vy²).
+/// A bound of φ'', as in [`BendBound`].
 #[derive(Clone, Copy, Debug)]
 pub struct LaneBend<S> {
     pub along: S,
     pub across: S,
+    pub cone: S,
 }
 
 impl<S: Scalar> LaneBend<S> {
     fn new(bound: &BendBound) -> Self {
-        Self { along: S::from_f64(bound.along), across: S::from_f64(bound.across) }
+        let [along, across, cone] = [bound.along, bound.across, bound.cone].map(S::from_f64);
+        Self { along, across, cone }
     }
 
-    /// Returns the bound of φ'' along rays with these Vx² + Vy².
+    /// Returns the bound of φ'' along rays with these Vx² + Vy², without the cone's part.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn along_rays<L: Lanes<Scalar = S>>(&self, cpu: Cpu<L>, across: L) -> L {
         across.mul_add(L::splat(cpu, self.across), L::splat(cpu, self.along))
@@ -215,16 +217,20 @@ impl<S: Scalar> LaneAsphere<S> {
     }
 }
 
-/// T as two polynomials in s: one for the even powers, and one for the odd powers over s √s.
+/// T as two polynomials in s: one for the even powers, and one for the odd powers over s √s; and the cone, a multiple of √s.
 #[derive(Clone, Debug)]
 pub struct FigureTerms<S> {
     even: FigureSplit<S>,
     odd: Option<FigureSplit<S>>,
+    cone: S,
     /// s at the edge of the clear aperture.
     pub edge_s: S,
     /// 1/unit, a power of two.
     pub per_unit: S,
 }
+
+/// Least √s at which a cone is divided by it.
+const LEAST_ROOT: f64 = 1e-15;
 
 impl<S: Scalar> FigureTerms<S> {
     /// Builds the terms of a surface.
@@ -234,6 +240,7 @@ impl<S: Scalar> FigureTerms<S> {
         Self {
             even: FigureSplit::new(&even),
             odd: (!aspheric.odd.is_empty()).then(|| FigureSplit::new(&aspheric.odd)),
+            cone: S::from_f64(aspheric.cone),
             edge_s: S::from_f64(aspheric.rim / aspheric.unit),
             per_unit: S::from_f64(aspheric.unit.recip()),
         }
@@ -258,6 +265,16 @@ impl<S: Scalar> FigureTerms<S> {
                 value[i] = (root * inside[i]).mul_add(odd[i], value[i]);
                 let by_root = inside[i].mul_add(odd_slope[i], three_halves * odd[i]);
                 slope[i] = root.mul_add(by_root, slope[i]);
+            }
+        }
+        if self.cone != S::ZERO {
+            let (cone, half) = (L::splat(cpu, self.cone), L::splat(cpu, S::from_f64(0.5)));
+            // On the axis, x and y make its slope count nothing.
+            let least = L::splat(cpu, S::from_f64(LEAST_ROOT));
+            for i in 0..U {
+                let root = inside[i].sqrt();
+                value[i] = root.mul_add(cone, value[i]);
+                slope[i] = slope[i] + half * cone / root.larger(least);
             }
         }
         for i in 0..U {

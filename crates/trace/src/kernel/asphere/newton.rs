@@ -101,6 +101,8 @@ impl<S: Scalar> LaneAsphere<S> {
     }
 }
 
+/// Least length, mm, by which another is divided.
+const LEAST: f64 = 1e-30;
 /// Maximum number of additional steps after those of the plan, before a ray goes to the walk.
 const FURTHER_STEPS: usize = 6;
 /// Width of the widest vector.
@@ -245,7 +247,7 @@ impl<S: Scalar> LaneAsphere<S> {
         }
         if any != 0 {
             for i in 0..U {
-                if !A::BLOCK && open[i] != 0 {
+                if !A::BLOCK && open[i] != 0 && !self.has_cone() {
                     let FollowedRays { t: found, unblocked, unresolved } =
                         self.follow(cpu, &rays[i], &paths[i], open[i]);
                     t[i] = L::select(firsts[i], t[i], found);
@@ -299,6 +301,11 @@ impl<S: Scalar> LaneAsphere<S> {
         }
     }
 
+    /// Whether a cone opens toward rays; such rays are followed by the walk.
+    fn has_cone(&self) -> bool {
+        self.inside.cone > S::ZERO
+    }
+
     /// Whether the iteration has converged to the first crossing ahead.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_first<L: Lanes<Scalar = S>>(
@@ -320,8 +327,18 @@ impl<S: Scalar> LaneAsphere<S> {
         let is_inside = L::both(u_from.less_equal(edge), u.less_equal(edge));
         let (inside, beyond) = (&self.inside, &self.beyond);
         let bend = L::select(is_inside, inside.along_rays(cpu, across), beyond.along_rays(cpu, across));
+        let mut bend = bend * distance;
+        if self.has_cone() {
+            let cone = L::select(is_inside, L::splat(cpu, inside.cone), L::splat(cpu, beyond.cone));
+            // The chord of r(t) from the start, less the tangent at t.
+            let least = L::splat(cpu, S::from_f64(LEAST));
+            let (r, r_from) = (u.sqrt(), u_from.sqrt());
+            let slope = t.mul_add(across, path.along) / r.larger(least);
+            let excess = slope.mul_add(distance, r_from - r) / distance.larger(least);
+            bend = bend + cone * (excess + excess);
+        }
         let bend = if self.by_height { bend * contact.q } else { bend };
-        let first = (bend * distance).less(contact.facing + contact.facing);
+        let first = bend.less(contact.facing + contact.facing);
         let ahead = L::both(zero.less(contact.q), zero.less(contact.facing));
         L::both(L::both(L::both(there, near), L::both(first, ahead)), zero.less_equal(distance))
     }

@@ -30,7 +30,7 @@ fn surfaces_between_object_and_image_are_read() {
     let Shape::Asphere(conic) = first.shape else { panic!("{first:?}") };
     assert_eq!((conic.radius, conic.conic, first.semi_diameter), (20.0, -0.5, 5.0));
     let Shape::Asphere(even) = second.shape else { panic!("{second:?}") };
-    assert_eq!((even.radius, even.terms[4], even.terms[18]), (-20.0, 1e-6, 2e-20));
+    assert_eq!((even.radius, even.term(6), even.term(20)), (-20.0, 1e-6, 2e-20));
     assert_eq!((stop.shape, stop.is_stop), (Shape::Plane, true));
     // A later statement with a qualifier replaces an earlier one.
     assert_eq!((third.semi_diameter, last.semi_diameter), (4.5, 4.0));

@@ -21,10 +21,7 @@ fn every_section_that_describes_the_lens_is_read() {
     let shapes: Vec<Shape> = lens.interfaces.iter().map(|interface| interface.shape).collect();
     assert_eq!(shapes[0], Shape::Sphere { radius: 20.0 });
     let Shape::Asphere(asphere) = shapes[1] else { panic!("{shapes:?}") };
-    assert_eq!(
-        (asphere.radius, asphere.conic, asphere.terms[2], asphere.terms[6]),
-        (-20.0, -0.5, 1e-5, 2e-9)
-    );
+    assert_eq!((asphere.radius, asphere.conic, asphere.term(4), asphere.term(8)), (-20.0, -0.5, 1e-5, 2e-9));
     assert_eq!(asphere.terms.iter().filter(|term| **term != 0.0).count(), 2);
     assert_eq!(shapes[2..4], [Shape::Plane, Shape::Plane]);
     assert_eq!(lens.stop_in_air(), Some(3));

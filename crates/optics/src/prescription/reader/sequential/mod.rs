@@ -90,9 +90,8 @@ pub(super) fn set_term(terms: &mut AsphereTerms, power: usize, value: f64) -> Re
         Some(term) => *term = value,
         None if value == 0.0 => {}
         None => {
-            let what = if power == 1 { ", a cone without a normal at its vertex" } else { "" };
             return Err(format!(
-                "has a term of r^{power}{what}; terms of r^{FIRST_POWER} to r^{LAST_POWER} are traced: write 0 to trace the \
+                "has a term of r^{power}; terms of r^{FIRST_POWER} to r^{LAST_POWER} are traced: write 0 to trace the \
                  surface without this one, or fit it by others"
             ));
         }
@@ -233,23 +232,24 @@ pub(super) fn surface_row(
     })
 }
 
-/// Returns the configurations as positions; `None` if the file has a single configuration with the object at infinity.
+/// Returns the configurations as positions, each with the distance of its object from the first surface that has an effect;
+/// `None` if the file has a single configuration with the object at infinity.
 pub(super) fn positions(
     text: &Text<'_>,
-    thicknesses: &[Vec<f64>],
+    objects: &[f64],
     gaps: &[Vec<f64>],
     stop_sizes: &[Option<f64>],
     object: Location,
 ) -> Result<Option<Positions>, LensFileError> {
-    let distance = |column: &Vec<f64>| Some(column[0]).filter(|distance| distance.abs() < FAR);
-    if let Some(behind) = thicknesses.iter().filter_map(distance).find(|distance| *distance <= 0.0) {
+    let distance = |distance: &f64| Some(*distance).filter(|distance| distance.abs() < FAR);
+    if let Some(behind) = objects.iter().filter_map(distance).find(|distance| *distance <= 0.0) {
         let message = format!(
             "the object lies {} in front of the first surface; expected a positive distance",
             short(behind)
         );
         return Err(text.error(object, message));
     }
-    if thicknesses.len() == 1 && distance(&thicknesses[0]).is_none() {
+    if objects.len() == 1 && distance(&objects[0]).is_none() {
         return Ok(None);
     }
     let moving: Vec<usize> =
@@ -260,7 +260,7 @@ pub(super) fn positions(
         stop_diameter: stop_sizes.get(i).copied().flatten().map(|size| 2.0 * size),
         focal_length: None,
         fnumber: None,
-        object_distance: distance(&thicknesses[i]),
+        object_distance: distance(&objects[i]),
     };
     let columns = (0..gaps.len()).map(column).collect();
     Ok(Some(Positions { gaps: moving, columns }))

@@ -195,5 +195,5 @@ fn vertex_curvature(surface: &SequentialSurface, meridian: Meridian) -> f64 {
         let [x, y] = figure.radii();
         if meridian == Meridian::X { x.recip() } else { y.recip() }
     });
-    surface.curvature + 2.0 * surface.asphere.map_or(0.0, |asphere| asphere.terms[0]) + unsymmetric
+    surface.curvature + 2.0 * surface.asphere.map_or(0.0, |asphere| asphere.term(2)) + unsymmetric
 }

@@ -16,7 +16,7 @@ use crate::prescription::{
 };
 
 /// The form of a line `asphere`, for messages.
-const ASPHERE: &str = "an asphere is: asphere ROW conic=… A4=… A6=… (any of A2 to A30, in mm^(1 - i))";
+const ASPHERE: &str = "an asphere is: asphere ROW conic=… A4=… A6=… (any of A1 to A30, in mm^(1 - i))";
 /// The form of a line `stop`, for messages.
 const STOP: &str = "a stop on a surface is: stop ROW";
 /// The form of a line `medium`, for messages.
@@ -28,7 +28,7 @@ const BLADES: &str = "blades are: blades COUNT rotation=DEGREES curvature=C (3 t
 /// The names of the constants in a line `blades`.
 const NAMES: [&str; 2] = ["rotation", "curvature"];
 
-/// Takes the lines `asphere ROW conic=… A2=… … A30=…` out of `lines`. They state the figures of rows, apart from the
+/// Takes the lines `asphere ROW conic=… A1=… … A30=…` out of `lines`. They state the figures of rows, apart from the
 /// radii.
 pub(super) fn aspheres<'t>(lines: &mut Lines<'t>) -> Result<Vec<(Cell<'t>, Asphere)>, LensFileError> {
     let taken = lines.take(&["asphere"]);
