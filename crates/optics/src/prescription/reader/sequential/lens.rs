@@ -143,8 +143,6 @@ impl SequentialLens {
         };
         let mut interfaces = surface_rows::interfaces(&rows, self.object.medium, &at, ledger)?;
         interfaces[last].thickness = 0.0;
-        let mut object = vec![self.object_distance + front];
-        object.extend(&self.thicknesses);
         let lens = Prescription {
             object_medium: self.object.medium,
             object_glass: self.object.glass,
@@ -152,7 +150,13 @@ impl SequentialLens {
             film_break,
             stated: self.stated(),
             wavelength: self.wavelength.map(|(wavelength, _)| wavelength),
-            positions: positions(text, &[object], &[gaps], &[stop_size], self.object_place)?,
+            positions: positions(
+                text,
+                &[self.object_distance + front],
+                &[gaps],
+                &[stop_size],
+                self.object_place,
+            )?,
             ..Prescription::new(interfaces)
         };
         if let Some((wavelength, location)) = self.wavelength {

@@ -208,7 +208,9 @@ pub(super) fn read(
     let object = in_front.medium;
     let coatings =
         surface::coatings(&effective_blocks, object, &interfaces, wavelength, coating_file, ledger);
-    let mut positions = positions(text, &thicknesses, &gaps, &stop_sizes, first_location)?;
+    let objects: Vec<f64> =
+        thicknesses.iter().zip(&all_frames).map(|(column, frames)| column[0] + frames.front).collect();
+    let mut positions = positions(text, &objects, &gaps, &stop_sizes, first_location)?;
     surface_rows::positions_in_order(in_front.medium, &interfaces, positions.as_mut(), &at)?;
     let (glasses, remarks) = glasses.glasses_and_warnings(text.file);
     let is_angle = blocks.find("FTYP").and_then(|record| record.number_if_any(0)).unwrap_or(0.0) == 0.0;
