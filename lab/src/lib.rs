@@ -6,7 +6,7 @@
 //! |---|---|
 //! | [`results`] | quantiles, Pareto fronts and tables of results |
 //! | [`timing`] | run times on a busy machine, and a description of the machine |
-//! | [`mod@reference`] | double-double rays, and the condition number of a ray |
+//! | [`mod@reference`] | rays in 30 and in 77 digits, and the condition number of a ray |
 //! | [`subject`] | a lens with film behind it, and rays that get through |
 //! | [`pupil`] | the outline of the true pupil; the uniformity of points in a disk |
 //! | [`render`] | the renderer, shared with the program, which has the scenes |

@@ -1,4 +1,4 @@
-//! Numbers of 106 bits, vectors of such numbers, and their rounding.
+//! Numbers of 106 bits.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -47,13 +47,6 @@ impl Neg for DoubleDouble {
     }
 }
 
-impl DoubleDouble {
-    /// Returns the two doubles whose sum the number is.
-    pub(super) fn digits(self) -> [f64; 2] {
-        [self.0.hi(), self.0.lo()]
-    }
-}
-
 impl Real for DoubleDouble {
     const ZERO: Self = Self(TwoFloat::from_f64(0.0));
     const ONE: Self = Self(TwoFloat::from_f64(1.0));
@@ -76,28 +69,4 @@ impl Real for DoubleDouble {
         // One step of Newton's iteration doubles the number of correct digits.
         Self((self.0 - TwoFloat::new_mul(root, root)) / (2.0 * root) + root)
     }
-}
-
-/// A point or a direction.
-pub(crate) type Vector = [DoubleDouble; 3];
-
-pub(crate) fn vector(v: [f64; 3]) -> Vector {
-    v.map(DoubleDouble::from_f64)
-}
-
-pub(crate) fn dot(a: Vector, b: Vector) -> DoubleDouble {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-pub(crate) fn cross(a: Vector, b: Vector) -> Vector {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-pub(crate) fn difference(a: Vector, b: Vector) -> Vector {
-    [0, 1, 2].map(|i| a[i] - b[i])
-}
-
-/// Returns the length, rounded to a double.
-pub(crate) fn norm(v: Vector) -> f64 {
-    v.iter().map(|x| x.to_f64().powi(2)).sum::<f64>().sqrt()
 }

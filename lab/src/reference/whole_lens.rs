@@ -1,5 +1,5 @@
-//! The reference for a whole lens. Lenses of spheres and planes use the walk in double-double numbers, which needs no
-//! search; lenses with aspheres are traced interface by interface, independent of the walk's search.
+//! The reference for a whole lens. Centred lenses of spheres and planes use the walk in double-double numbers,
+//! which needs no search and is fast; other lenses are traced interface by interface, independent of the walk.
 
 use realistic_base::numeric::in_range;
 use realistic_optics::{
@@ -9,8 +9,8 @@ use realistic_optics::{
 
 use super::{
     condition::Conditioned,
-    double_double::{DoubleDouble, vector},
-    exact::ExactRay,
+    double_double::DoubleDouble,
+    exact::{ExactRay, vector},
 };
 
 /// A lens prepared for exact rays.
@@ -18,14 +18,14 @@ use super::{
 pub enum Reference {
     /// Spheres and planes only.
     Walk(Path<DoubleDouble>),
-    /// Lenses with aspheres.
+    /// Other lenses.
     Interfaces(Conditioned),
 }
 
 impl Reference {
     /// Builds the reference for a lens and a direction of travel.
     pub fn new(lens: &Lens, direction: Direction) -> Self {
-        if lens.surfaces.iter().any(|surface| surface.figure.is_some()) {
+        if !lens.is_round() || lens.surfaces.iter().any(|surface| surface.figure.is_some()) {
             Self::Interfaces(Conditioned::new(lens, direction))
         } else {
             Self::Walk(Path::new(lens, direction, Refraction::Fused))
