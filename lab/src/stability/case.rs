@@ -121,7 +121,7 @@ impl Case {
             Direction::SceneToFilm => self.lens.rear().vertex,
         };
         let size: f64 =
-            self.lens.surfaces.iter().map(|surface| surface.semi_diameter + surface.thickness).sum();
+            self.lens.surfaces.iter().map(|surface| surface.semi_diameter + surface.thickness.abs()).sum();
         let mut result = CaseResult::new(self.name.clone(), self.group, tracer.name, tracer.bound);
         for (number, ((ray, trail), got)) in self.rays.iter().zip(trails).zip(outcomes).enumerate() {
             let mut found = Vec::new();

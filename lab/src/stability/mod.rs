@@ -123,7 +123,7 @@ fn run_parts(
         for (numbers, share) in parts(extent.lenses) {
             progress(Progress {
                 name: "random lenses against the reference",
-                done: 0.05 + 0.225 * (number as f64 + share),
+                done: 0.05 + 0.45 * (number as f64 + share) / random::Kind::ALL.len() as f64,
             })?;
             for found in on_all_cores(numbers, |numbers| random::against_reference(kind, numbers, &tracers)) {
                 against.iter_mut().zip(&found).for_each(|(all, part)| all.merge(part));

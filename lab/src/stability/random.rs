@@ -10,8 +10,11 @@ use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus as Random;
 use realistic_camera::{Camera, Host, Parameters, Precision, Pupil, Raster, Rays, Sample, Samples, WorldRay};
 use realistic_optics::{
-    lens::Lens,
-    prescription::{Asphere, FIRST_POWER, NO_TERMS, Shape, read},
+    lens::{Lens, UnsymmetricFigure},
+    prescription::{
+        Asphere, Biconic, CoordinateBreak, FIRST_POWER, Interface, Medium, Meridian, NO_TERMS, PROFILE_TERMS,
+        Shape, Toroid, Unsymmetric, read,
+    },
     trace::{
         Direction::{self, FilmToScene, SceneToFilm},
         Path, Ray,
@@ -118,6 +121,95 @@ pub fn random_aspheric_lens(random: &mut Random) -> Lens {
     Lens::at_d_line(&prescription)
 }
 
+/// Returns a random number with a uniform logarithm in [from, to) and a random sign.
+fn signed(random: &mut Random, from: f64, to: f64) -> f64 {
+    let size = scaled(random, from, to);
+    if random.random_bool(0.5) { size } else { -size }
+}
+
+/// Returns a random cylinder, toroid or biconic. Its formula holds beyond the clear aperture, too, and stays near it there,
+/// because rays count as behind a surface where they start behind its continuation.
+fn random_unsymmetric(random: &mut Random, semi_diameter: f64) -> Unsymmetric {
+    let radius = |random: &mut Random| semi_diameter * signed(random, 1.2, 1e4);
+    let conic =
+        |random: &mut Random| if random.random_bool(0.4) { 0.0 } else { random.random_range(-4.0..1.5) };
+    loop {
+        let meridian = if random.random_bool(0.5) { Meridian::X } else { Meridian::Y };
+        let surface = match random.random_range(0..3) {
+            0 => {
+                let cylinder = Toroid::cylinder(meridian, radius(random));
+                Unsymmetric::Toroid(Toroid { conic: conic(random), ..cylinder })
+            }
+            1 => {
+                let mut terms = [0.0; PROFILE_TERMS];
+                for (i, term) in (1..).zip(&mut terms) {
+                    if random.random_bool(0.3) {
+                        *term = signed(random, 1e-5, 0.1) * semi_diameter.powi(1 - 2 * i);
+                    }
+                }
+                let straight = random.random_bool(0.2);
+                let rotation_radius = if straight { f64::INFINITY } else { radius(random) };
+                let (radius, conic) = (radius(random), conic(random));
+                Unsymmetric::Toroid(Toroid { meridian, radius, conic, terms, rotation_radius })
+            }
+            _ => {
+                let radii =
+                    [0, 1].map(|_| if random.random_bool(0.1) { f64::INFINITY } else { radius(random) });
+                Unsymmetric::Biconic(Biconic { radii, conics: [0, 1].map(|_| conic(random)) })
+            }
+        };
+        let figure = UnsymmetricFigure::new(&surface, semi_diameter);
+        let is_near = figure.reach > semi_diameter
+            && figure.beyond.sagitta.iter().all(|height| height.abs() < semi_diameter);
+        if !surface.is_plane() && (is_near || surface.cylinder().is_some() && figure.inside.is_finite()) {
+            return surface;
+        }
+    }
+}
+
+/// Returns a random lens without an axis: cylinders, toroids, biconics and some aspheres on changes of frame, and up to
+/// two mirrors.
+pub fn random_lens_without_axis(random: &mut Random) -> Lens {
+    let text = lens_text(random);
+    let mut prescription =
+        read("random lens", text.as_bytes()).unwrap_or_else(|error| panic!("{error}\n{text}"));
+    let mirrors = random.random_range(0..3);
+    let (mut mirrors_left, mut before) = (mirrors, Medium::Air);
+    let last = prescription.interfaces.len() - 1;
+    for (number, interface) in prescription.interfaces.iter_mut().enumerate() {
+        let Interface { semi_diameter, .. } = *interface;
+        if !interface.is_stop && random.random_bool(0.5) {
+            interface.shape = Shape::Unsymmetric(random_unsymmetric(random, semi_diameter));
+        } else if let Shape::Sphere { radius } = interface.shape
+            && random.random_bool(0.2)
+        {
+            let conic = random.random_range(-3.0..0.0);
+            interface.shape = Shape::Asphere(Asphere { radius, conic, terms: NO_TERMS });
+        }
+        if random.random_bool(0.4) {
+            let [x, y] = [0, 1].map(|_| semi_diameter * random.random_range(-0.2..0.2));
+            let degrees = [0, 1, 2].map(|_| 6.0 * random.random_range(-1.0_f64..1.0).powi(3));
+            let change = CoordinateBreak::zemax([x, y], degrees, random.random_bool(0.5));
+            interface.coordinate_break = Some(change);
+        }
+        // The film lies in air, and so must be what is in front of a mirror before it.
+        let may_reflect = !interface.is_stop && (number < last || before == Medium::Air);
+        if mirrors_left > 0 && may_reflect && random.random_bool(0.3) {
+            (interface.is_mirror, interface.medium) = (true, before);
+            mirrors_left -= 1;
+        }
+        if (mirrors - mirrors_left) % 2 == 1 {
+            interface.thickness = -interface.thickness;
+        }
+        before = interface.medium;
+    }
+    if random.random_bool(0.3) {
+        let change = CoordinateBreak::zemax([0.1, -0.2], [random.random_range(-3.0..3.0), 1.0, 0.0], false);
+        prescription.film_break = Some(change);
+    }
+    Lens::at_d_line(&prescription)
+}
+
 /// Returns the text of a short lens whose aspheres are often missed by rays. Of its 6 to 12 interfaces, about 3 to 6
 /// are aspheres; their terms reach up to a seventh of the semi-diameter at the edge, and about half of them extend
 /// close to their conic's equator. The same seed gives the same lens.
@@ -160,16 +252,19 @@ pub enum Kind {
     Spheres,
     /// Mostly aspheres.
     Aspheres,
+    /// Cylinders, toroids and biconics, decentred and tilted surfaces, and mirrors.
+    WithoutAxis,
 }
 
 impl Kind {
-    /// Both kinds.
-    pub const ALL: [Self; 2] = [Self::Spheres, Self::Aspheres];
+    /// Every kind.
+    pub const ALL: [Self; 3] = [Self::Spheres, Self::Aspheres, Self::WithoutAxis];
 
     fn lens(self, random: &mut Random) -> Lens {
         match self {
             Self::Spheres => random_lens(random),
             Self::Aspheres => random_aspheric_lens(random),
+            Self::WithoutAxis => random_lens_without_axis(random),
         }
     }
 
@@ -178,6 +273,7 @@ impl Kind {
         match self {
             Self::Spheres => "random lens",
             Self::Aspheres => "random aspheric lens",
+            Self::WithoutAxis => "random lens without an axis",
         }
     }
 
@@ -232,6 +328,7 @@ pub fn none_yet(kind: Kind, tracers: &[TracerUnderTest]) -> Vec<CaseResult> {
     let name = match kind {
         Kind::Spheres => "random lenses, a hundred rays each",
         Kind::Aspheres => "random aspheric lenses, a hundred rays each",
+        Kind::WithoutAxis => "random lenses without an axis, a hundred rays each",
     };
     let result =
         |tracer: &TracerUnderTest| CaseResult::new(name.to_owned(), GROUP, tracer.name, tracer.bound);
