@@ -141,6 +141,28 @@ impl Picture {
         }
     }
 
+    /// Returns the picture at another width, with the same height: linear between the pixels of a row, and for a narrower
+    /// picture a mean of them with weights that fall linearly from a pixel's middle to the next ones'.
+    pub fn at_width(&self, width: u32) -> Self {
+        let step = self.size[0] as f32 / width as f32;
+        let reach = step.max(1.0);
+        let last = self.size[0] as i64 - 1;
+        let mut pixels = Vec::with_capacity(width as usize * self.size[1] as usize);
+        for row in self.pixels.chunks_exact(self.size[0] as usize) {
+            pixels.extend((0..width).map(|column| {
+                let at = (column as f32 + 0.5) * step - 0.5;
+                let (mut sum, mut whole) = ([0.0; 3], 0.0);
+                for other in (at - reach).ceil() as i64..=(at + reach).floor() as i64 {
+                    let weight = 1.0 - (other as f32 - at).abs() / reach;
+                    let colour = row[other.clamp(0, last) as usize];
+                    (sum, whole) = ([0, 1, 2].map(|i| sum[i] + weight * colour[i]), whole + weight);
+                }
+                sum.map(|part| part / whole)
+            }));
+        }
+        Self { size: [width, self.size[1]], pixels }
+    }
+
     /// Writes the file. For PNG only, `tone` converts the values to the screen's.
     ///
     /// # Errors
@@ -203,6 +225,23 @@ mod tests {
                 [0.214, 0.0, 0.0],
             ],
         }
+    }
+
+    #[test]
+    fn another_width_keeps_slopes_and_means() {
+        let row = |values: &[f32]| Picture {
+            size: [values.len() as u32, 2],
+            pixels: values.repeat(2).into_iter().map(|value| [value, 2.0 * value, 1.0]).collect(),
+        };
+        let first =
+            |picture: &Picture| -> Vec<f32> { picture.pixels.iter().map(|colour| colour[0]).collect() };
+        let wide = row(&[0.0, 4.0, 8.0]).at_width(6);
+        assert_eq!(wide.size, [6, 2]);
+        assert_eq!(first(&wide), [0.0, 1.0, 3.0, 5.0, 7.0, 8.0].repeat(2));
+        assert_eq!(wide.pixels[2], [3.0, 6.0, 1.0]);
+        let narrow = row(&[0.0, 8.0, 0.0, 8.0, 0.0, 8.0, 0.0, 8.0]).at_width(4);
+        assert_eq!(first(&narrow)[1..3], [4.0; 2]);
+        assert_eq!(sample().at_width(3), sample());
     }
 
     #[test]

@@ -30,6 +30,34 @@ fn every_lens_of_the_catalogue_renders_the_default_scene() {
 }
 
 #[test]
+fn a_desqueezed_picture_has_the_proportions_of_the_scene() {
+    let dir = tempfile::tempdir().unwrap();
+    let command =
+        ["render", "anamorphic.42mm", "--focus-distance", "20000", "--film-diagonal", "24", "--spp", "1"];
+    let command = [&command[..], &["--size", "60x40"]].concat();
+    let [squeezed, true_width] = [&[][..], &["--desqueeze"]]
+        .map(|more| pixels(dir.path(), &[&command[..], more, &["--out", "picture.exr"]].concat()));
+    // 60 pixels times 42.479 mm over 21.483 mm.
+    assert_eq!([squeezed.len(), true_width.len()], [60 * 40, 119 * 40]);
+    // Both hold the same light.
+    let mean = |pixels: &[[f32; 3]]| {
+        pixels.as_flattened().iter().map(|value| f64::from(*value)).sum::<f64>() / pixels.len() as f64
+    };
+    let means = [&squeezed, &true_width].map(|pixels| mean(pixels));
+    assert!((means[1] / means[0] - 1.0).abs() < 0.02, "{means:?}");
+    for more in [&["dgauss.50mm"][..], &["mirror.500mm"], &["anamorphic.42mm", "--model", "thin"]] {
+        let command =
+            [&["render", "--desqueeze", "--size", "6x4", "--spp", "1", "--out", "none.png"][..], more]
+                .concat();
+        let output = realistic(dir.path(), &command);
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{more:?}: {stderr}");
+        assert!(stderr.contains("--desqueeze needs a lens that squeezes the picture"), "{more:?}: {stderr}");
+        assert!(!dir.path().join("none.png").exists(), "{more:?}");
+    }
+}
+
+#[test]
 fn a_lens_that_is_moved_back_has_the_subject_in_focus() {
     let dir = tempfile::tempdir().unwrap();
     let command = ["render", "telephoto.300mm", "--size", "6x4", "--spp", "1", "--out", "picture.png"];
@@ -123,13 +151,14 @@ fn pixels(directory: &Path, arguments: &[&str]) -> Vec<[f32; 3]> {
     let out = arguments.iter().position(|argument| *argument == "--out").unwrap();
     exr::prelude::read_first_rgba_layer_from_file(
         directory.join(arguments[out + 1]),
-        |size, _| vec![[0.0_f32; 3]; size.width() * size.height()],
-        |pixels, at, (r, g, b, _): (f32, f32, f32, f32)| pixels[at.y() * 36 + at.x()] = [r, g, b],
+        |size, _| vec![vec![[0.0_f32; 3]; size.width()]; size.height()],
+        |rows, at, (r, g, b, _): (f32, f32, f32, f32)| rows[at.y()][at.x()] = [r, g, b],
     )
     .unwrap()
     .layer_data
     .channel_data
     .pixels
+    .concat()
 }
 
 #[test]

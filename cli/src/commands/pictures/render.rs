@@ -75,6 +75,12 @@ pub struct PictureArgs {
     /// Gaussian filter with a standard deviation of half a pixel, and has 0.6 times the noise.
     #[arg(long, value_name = "NAME", hide_possible_values = true, conflicts_with = "slide")]
     filter: Option<Filter>,
+    /// Stretch the picture of an anamorphic lens to its true proportions
+    ///
+    /// --size is that of the squeezed picture on the film. The picture is as many times as wide as the lens's focal length in
+    /// y is that in x.
+    #[arg(long, conflicts_with_all = ["slide", "noise", "crop"])]
+    desqueeze: bool,
     /// Measure the picture's noise instead, in parts of two pictures
     ///
     /// The RMS error of a pixel over the mean of all pixels, in linear light as displayed. The two pictures use this seed and
@@ -149,13 +155,14 @@ const MIDDLE: &str = "middle";
 pub fn run(camera: &CameraChoice, args: &PictureArgs) -> Result<(), Failure> {
     files::make_parent(&args.out)?;
     let studio = Studio::open(camera, &args.options)?;
+    let desqueezed = args.desqueeze.then(|| studio.desqueezed()).transpose()?;
     if let Some(slide) = args.slide {
         let (picture, text) = slide.take(&studio, camera.has_lens(), args.options.spp)?;
         picture.write(&args.out, Tone::SHOWN)?;
         let text = format!("{text}picture  {}\n", args.out.display());
         return Ok(console::report(&text, &args.out)?);
     }
-    if let (Some(count), Some(false)) = (args.wavelengths, studio.is_dispersive) {
+    if let (Some(count), Some(false)) = (args.wavelengths, studio.lens.map(|lens| lens.is_dispersive)) {
         studio.warn(&format!(
             "the lens has neither V-numbers nor dispersion formulas: rays of all {count} wavelengths take the same way, and \
              the picture shows no colour errors; leave out --wavelengths, or give a lens that has them"
@@ -195,6 +202,9 @@ pub fn run(camera: &CameraChoice, args: &PictureArgs) -> Result<(), Failure> {
         tile::write(&shot.picture, &args.out, shot.tone, &origin)?;
         let ([x0, y0, ..], [width, height]) = (origin.crop, origin.whole);
         let _ = writeln!(text, "tile     at {x0},{y0} of {width}x{height}, for `realistic merge`");
+    } else if let Some((width, squeeze)) = desqueezed {
+        shot.picture.at_width(width).write(&args.out, shot.tone)?;
+        let _ = writeln!(text, "squeeze  {} undone: {width}x{} pixels", fixed(squeeze, 4), studio.size[1]);
     } else {
         shot.picture.write(&args.out, shot.tone)?;
     }

@@ -13,7 +13,7 @@ use crate::host::render::{
 };
 use crate::host::scene::effects::{Effect, Effects};
 use crate::host::scene::{Light, Scene};
-use crate::image::{Curve, Filter, Picture, Tone, check_memory};
+use crate::image::{Curve, Filter, LARGEST_SIDE, Picture, Tone, check_memory};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::ThreadPool;
 use realistic_base::message::{as_given, short};
@@ -21,6 +21,7 @@ use realistic_camera::{
     CameraError, Exposure, Model, Parameters, Raster, Weighting, autofocus::Rule, film_distance, open_lens,
 };
 use realistic_lab::render::{Rays, Tally};
+use realistic_optics::{lens::first_order::FirstOrder, prescription::Meridian};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -64,8 +65,8 @@ pub struct Studio {
     pub plugin: Arc<Plugin>,
     /// Camera parameters given by the user.
     pub parameters: Parameters,
-    /// Whether the lens has an index for each wavelength; `None` if only the plugin can find the lens.
-    pub is_dispersive: Option<bool>,
+    /// Facts of the lens; `None` if only the plugin can find the lens.
+    pub lens: Option<LensFacts>,
     /// Width and height of a picture in pixels.
     pub size: [u32; 2],
     pool: ThreadPool,
@@ -73,6 +74,15 @@ pub struct Studio {
     messages: Mutex<Vec<String>>,
     compensation: f32,
     seed: u64,
+}
+
+/// Facts of a lens.
+#[derive(Clone, Copy, Debug)]
+pub struct LensFacts {
+    /// Whether the lens has an index for each wavelength.
+    pub is_dispersive: bool,
+    /// Its squeeze ratio: focal length in y over that in x; 1 for a model without cylinders, NaN for an afocal lens.
+    squeeze: f64,
 }
 
 /// The settings of one picture.
@@ -130,7 +140,7 @@ impl Studio {
     /// The parameters are invalid, or there is no plugin.
     pub fn open(camera: &CameraChoice, options: &Options) -> Result<Self, Failure> {
         let mut parameters = camera.parameters()?;
-        let is_dispersive = examine_lens(&mut parameters)?;
+        let lens = examine_lens(&mut parameters)?;
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(options.threads.map_or(0, usize::from))
             .build()
@@ -138,7 +148,7 @@ impl Studio {
         Ok(Self {
             plugin: Arc::new(Plugin::load(&plugin::find(options.plugin.as_deref())?)?),
             parameters,
-            is_dispersive,
+            lens,
             size: options.size,
             pool,
             progress: progress_bar(),
@@ -165,6 +175,30 @@ impl Studio {
         }
         messages.push(message.to_owned());
         self.progress.suspend(|| print(message));
+    }
+
+    /// Returns the width, in pixels, of a picture without the lens's squeeze, and the squeeze ratio.
+    ///
+    /// # Errors
+    /// The lens does not squeeze the picture by as much as a pixel, or the picture is too large.
+    pub fn desqueezed(&self) -> Result<(u32, f64), Failure> {
+        let squeeze = self.lens.map_or(f64::NAN, |lens| lens.squeeze);
+        let [width, height] = self.size;
+        let wide = (f64::from(width) * squeeze).round();
+        if !(wide > 0.0) || wide == f64::from(width) {
+            return Err(Failure::Other(
+                "--desqueeze needs a lens that squeezes the picture, such as anamorphic.42mm".to_owned(),
+            ));
+        }
+        if wide > f64::from(LARGEST_SIDE) {
+            return Err(Failure::Usage(format!(
+                "without the squeeze of {} the picture is {wide} pixels wide, and {LARGEST_SIDE} is the limit; give a smaller \
+                 --size",
+                short(squeeze)
+            )));
+        }
+        check_memory([wide as u32, height], PER_PIXEL)?;
+        Ok((wide as u32, squeeze))
     }
 
     /// Returns the seed of the random numbers.
@@ -417,12 +451,12 @@ fn white_level(camera: &Camera, parameters: &Parameters, size: [u32; 2]) -> Resu
     Ok(if metered > 0.0 { metered } else { 1.0 })
 }
 
-/// Examines the lens before rendering: sizes the film to the lens's image, and returns whether the lens has
-/// dispersion. Returns `None` if no lens is given or if only the plugin can find it.
+/// Examines the lens before rendering: sizes the film to the lens's image, and returns facts of the lens. Returns `None`
+/// if no lens is given or if only the plugin can find it.
 ///
 /// # Errors
 /// A piped text is not a lens, or parameters contradict each other.
-fn examine_lens(parameters: &mut Parameters) -> Result<Option<bool>, Failure> {
+fn examine_lens(parameters: &mut Parameters) -> Result<Option<LensFacts>, Failure> {
     let mut own = parameters.clone();
     let host = host(&mut own, Raster { xres: 1, yres: 1 })?;
     let is_piped = host.lens_text.is_some();
@@ -430,13 +464,22 @@ fn examine_lens(parameters: &mut Parameters) -> Result<Option<bool>, Failure> {
     parameters.film_diagonal = own.film_diagonal;
     own.weighting()?;
     let has_lens = |model| Parameters::find("lens_file").is_some_and(|row| row.models.contains(&model));
-    if !has_lens(own.model.unwrap_or_default()) {
+    let model = own.model.unwrap_or_default();
+    if !has_lens(model) {
         return Ok(None);
     }
-    let examined = open_lens(&own, &host, &mut |_, _| ())
-        .and_then(|(prescription, lens)| film_distance(&own, &lens).map(|_| prescription.is_dispersive()));
+    let examined = open_lens(&own, &host, &mut |_, _| ()).and_then(|(prescription, lens)| {
+        film_distance(&own, &lens)?;
+        let focal_length = |meridian| {
+            FirstOrder::in_meridian(&lens, meridian).map_or(f64::NAN, |optics| optics.focal_length)
+        };
+        // Only exact rays are squeezed: the other models have the figures in y.
+        let squeeze =
+            if model == Model::Lens { focal_length(Meridian::Y) / focal_length(Meridian::X) } else { 1.0 };
+        Ok(LensFacts { is_dispersive: prescription.is_dispersive(), squeeze })
+    });
     match examined {
-        Ok(is_dispersive) => Ok(Some(is_dispersive)),
+        Ok(facts) => Ok(Some(facts)),
         // The error is reported here, because only here does the lens have the name that the user gave.
         Err(error) if is_piped || matches!(error, CameraError::Parameter(_)) => Err(error.into()),
         // The plugin also searches for files beside itself, so the decision is left to it.
