@@ -21,7 +21,7 @@ def examples(checkout):
     return sorted((checkout / "python/examples").glob("*.py"))
 
 
-@pytest.mark.parametrize("name", ["export_grid", "intrinsics", "lens_sheet", "picture"])
+@pytest.mark.parametrize("name", ["export_grid", "field_maps", "intrinsics", "lens_sheet", "picture"])
 def test_an_example_runs_by_its_first_lines(checkout, tmp_path, name):
     assert name in {file.stem for file in examples(checkout)}
     file = checkout / f"python/examples/{name}.py"
@@ -38,6 +38,7 @@ def test_an_example_runs_by_its_first_lines(checkout, tmp_path, name):
             # little.
             shown = {
                 "export_grid": "python-export-grid.png",
+                "field_maps": "python-field-maps.png",
                 "lens_sheet": "python-lens-sheet.png",
                 "picture": "python-picture.png",
             }[name]
@@ -47,7 +48,7 @@ def test_an_example_runs_by_its_first_lines(checkout, tmp_path, name):
             assert framing.difference(*pictures) < 0.06, f"docs/images/{shown} is not what {file.name} makes"
 
 
-@pytest.mark.parametrize("name", ["export_grid", "intrinsics", "lens_sheet", "picture"])
+@pytest.mark.parametrize("name", ["export_grid", "field_maps", "intrinsics", "lens_sheet", "picture"])
 def test_an_example_without_arguments_prints_its_usage(checkout, tmp_path, name):
     file = checkout / f"python/examples/{name}.py"
     done = subprocess.run([sys.executable, str(file)], cwd=tmp_path, capture_output=True, text=True)
@@ -56,7 +57,7 @@ def test_an_example_without_arguments_prints_its_usage(checkout, tmp_path, name)
 
 
 def test_every_example_is_tested(checkout):
-    tested = ["agreement", "export_grid", "intrinsics", "lens_sheet", "picture"]
+    tested = ["agreement", "export_grid", "field_maps", "intrinsics", "lens_sheet", "picture"]
     assert [file.stem for file in examples(checkout)] == tested
 
 

@@ -1,4 +1,4 @@
-"""Studies and tiles: equal results on all kinds of workers."""
+"""Studies, maps and tiles: equal results on all kinds of workers."""
 
 import io
 import os
@@ -26,8 +26,8 @@ def table():
 def test_a_row_for_each_combination_in_order(table):
     assert len(table) == 2 * 2 * 2 * 2 * 2
     assert table.columns == (
-        ("lens", "fnumber", "fnumber_used", "focus_distance", "field", "field_angle_deg", "wavelength")
-        + ("focal_length_mm", "spot_rms_um")
+        ("lens", "fnumber", "fnumber_used", "focus_distance", "field", "field_angle_deg", "x_mm", "y_mm", "wavelength")
+        + ("focal_length_mm", "spot_rms_um", "airy_radius_um")
         + tuple(f"mtf_{curve}_{f}" for f in (10, 30) for curve in ("tangential", "sagittal", "diffraction"))
         + ("relative_illumination", "distortion", "acceptance", "failed", "note")
     )
@@ -58,6 +58,8 @@ def test_a_row_equals_its_measures(table):
     np.testing.assert_allclose(
         row["spot_rms_um"], measure.spots(camera, point, distance=2000.0).rms[0] * pixel, rtol=1e-6
     )
+    np.testing.assert_allclose(row["airy_radius_um"], measure.airy_radius(camera, point)[0] * pixel, rtol=1e-6)
+    np.testing.assert_allclose([row["x_mm"], row["y_mm"]], [0.12 * pixel, 0.08 * pixel], rtol=1e-6)
     with quietly():
         # At f/8 the geometric MTF exceeds the diffraction limit.
         mtf = measure.mtf(camera, point, [10, 30], distance=2000.0)[0]
@@ -224,7 +226,7 @@ def test_a_notebook_shows_a_table(table):
     assert [head.text for head in shown.find("thead").iter("th")] == list(table.columns)
     rows = [[cell.text or "" for cell in row] for row in shown.find("tbody")]
     assert len(rows) == 32 and rows[5][0] == table["lens"][5]
-    assert float(rows[5][8]) == pytest.approx(table["spot_rms_um"][5], rel=1e-5)
+    assert float(rows[5][10]) == pytest.approx(table["spot_rms_um"][5], rel=1e-5)
     many = Table(np.concatenate([table] * 10))
     rows = [[cell.text or "" for cell in row] for row in xml.fromstring(many._repr_html_()).find("tbody")]
     assert len(rows) == 61 and rows[30] == ["… 260 rows …"] and rows[-1][4] == f"{table['field'][-1]:.6g}"

@@ -150,6 +150,24 @@ def test_the_limit_of_diffraction_is_that_of_the_cone_of_light():
     np.testing.assert_allclose(found, [1, 2 / 3 - np.sqrt(3) / (2 * np.pi), 0, 0], atol=1e-9)
 
 
+def test_the_airy_disk_grows_as_the_cone_narrows():
+    """A small stop darkens by cos⁴, so a cone's f-number grows by 1/cos²."""
+    camera = thin(fnumber=32)
+    points = np.array([[300, 200], [450, 200], [599, 399]])
+    pixel = camera.film_size_mm[0] / 600
+    angle = np.arctan(np.hypot(*((points - [300, 200]) * pixel).T) / camera.focal_length_mm)
+    found = measure.airy_radius(camera, points) * pixel
+    # The first dark ring of (2 J1(x)/x)² is at x = π r/(λ N).
+    x = np.linspace(3.8, 3.9, 1001)
+    ring = x[np.abs(bessel1(x)).argmin()] / np.pi
+    expected = ring * 587.5618e-6 * measure.working_fnumber(camera) / np.cos(angle) ** 2
+    np.testing.assert_allclose(found, expected, rtol=1e-3)
+    assert measure.airy_radius(camera, Field.fractions(0.0)).shape == ()
+    assert np.isnan(measure.airy_radius(Camera("fisheye.10mm", resolution=(1920, 1280)), [2.0, 2.0]))
+    with pytest.raises(ValueError, match="no Airy disk"):
+        measure.airy_radius(Camera(model="perspective", resolution=(600, 400), fov=40.0), points)
+
+
 def test_an_mtf_that_light_cannot_have_is_warned_of():
     with pytest.warns(realistic.CameraWarning, match="above 0.82, which diffraction leaves at f/8"):
         assert measure.mtf(thin(fnumber=8), [300, 200], 30).min() > 0.99
@@ -378,6 +396,12 @@ def test_every_plot_draws_what_is_measured(lens):
         assert lens in ax.get_title()
         ax.figure.canvas.draw()
         plt.close(ax.figure)
+    ax = plot.spots(camera, fields=[0.0, 0.5])
+    pixel = 1000 * camera.film_size_mm[0] / camera.resolution[0]
+    np.testing.assert_allclose(
+        [circle.radius for circle in ax.patches], measure.airy_radius(camera, Field.fractions([0.0, 0.5])) * pixel
+    )
+    plt.close(ax.figure)
     ax = plot.mtf(camera, fields=Field.angles(x=[0, 5], y=3))
     assert [text.get_text() for text in ax.get_legend().get_texts()] == [
         *("field (0°, 3°)", "field (5°, 3°)"),

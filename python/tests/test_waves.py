@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
 import realistic
+from realistic import Camera, Field, farm, measure
 
 
 def perfect_mtf(fraction: np.ndarray) -> np.ndarray:
@@ -115,3 +118,68 @@ def test_plots_show_the_point_and_its_contrast() -> None:
     ax = plot.psf(lens, pixels=32)
     assert ax.images[0].get_array().max() == 0.0
     assert "Strehl" in ax.get_title()
+
+
+def third_moments(place: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """Returns the skewness of points (n, 2) with weights (n,) along x and y: their mean third powers about their mean."""
+    away = place - np.average(place, axis=0, weights=weight)
+    skewness: np.ndarray = np.average(away**3, axis=0, weights=weight)
+    return skewness
+
+
+def test_a_map_of_points_is_upright_and_the_same_on_all_workers() -> None:
+    camera = Camera("planar.50mm", resolution=(300, 200), fnumber=2)
+    found = farm.psf_map(camera, (3, 2), pixels=64, pitch_um=1.5, processes=1)
+    assert found.energy.shape == (2, 3, 64, 64) and found.strehl.shape == (2, 3)
+    width, height = camera.film_size_mm
+    np.testing.assert_allclose(found.x_mm, [-width / 3, 0, width / 3], atol=1e-9)
+    np.testing.assert_allclose(found.y_mm, [height / 4, -height / 4])
+    with ThreadPoolExecutor(2) as pool:
+        again = farm.psf_map(camera, (3, 2), pixels=64, pitch_um=1.5, client=pool)
+    np.testing.assert_array_equal(again.energy, found.energy)
+    # Rays of the camera itself are skewed to the same sides as the waves.
+    across, down = np.meshgrid(np.arange(64.0), np.arange(64.0))
+    place = np.stack([across.ravel(), down.ravel()], axis=-1)
+    spots = measure.spots(camera, Field.grid(3, 2))
+    for at in ((0, 0), (0, 2), (1, 0), (1, 2)):
+        own = third_moments(place, found.energy[at].ravel())
+        rays = third_moments(spots.offset[at], spots.weight[at])
+        assert (np.sign(own) == np.sign(rays)).all(), (at, own, rays)
+    lens = realistic.Lens("planar.50mm", fnumber=2)
+    alone = lens.psf((0.0, -found.y_mm[0]), pixels=64, pitch_um=1.5, rays=128)
+    assert found.strehl[0, 1] == pytest.approx(alone.wavefront.strehl, rel=1e-6)
+    assert found.rms[0, 1] == pytest.approx(alone.wavefront.rms, rel=1e-6)
+    dark = farm.psf_map(Camera("fisheye.10mm", resolution=(300, 200)), (7, 7), pixels=8, rays=16, processes=1)
+    assert np.isfinite(dark.strehl[3, 3]) and np.isnan(dark.strehl[0, 0]) and np.isnan(dark.energy[0, 0]).all()
+    with pytest.raises(realistic.Error, match="flat film"):
+        farm.psf_map(camera.replace(film_tilt_x=3.0), (1, 1), processes=1, retries=0)
+
+
+def test_a_study_maps_its_columns_over_the_picture() -> None:
+    plot = pytest.importorskip("realistic.plot")
+    given = {"frequencies": 40, "processes": 1, "diffraction": True, "resolution": (300, 200)}
+    table = realistic.study("planar.50mm", [4, 8], fields=Field.grid(3, 2), **given)
+    one = table[table["fnumber"] == 4]
+    ax = plot.field_map(one, "strehl")
+    shown = ax.images[0].get_array()
+    # Rows of the picture are from the bottom, those of the table from the top.
+    np.testing.assert_array_equal(shown[::-1].ravel(), one["strehl"])
+    assert shown[0, 1] > shown[0, 0] and "f/4" in ax.get_title()
+    with pytest.raises(ValueError, match="differ in fnumber"):
+        plot.field_map(table, "strehl")
+    with pytest.raises(ValueError, match="points of a grid"):
+        plot.field_map(one[1:], "strehl")
+    tilted = realistic.study("planar.50mm", 4, fields=0, film_tilt_x=3.0, **given)
+    assert tilted["failed"].all() and "flat film" in tilted["note"][0]
+
+
+def test_a_map_of_points_has_each_at_its_place() -> None:
+    plot = pytest.importorskip("realistic.plot")
+    camera = Camera("planar.50mm", resolution=(300, 200), fnumber=8, focus_distance=np.inf)
+    found = farm.psf_map(camera, (3, 2), pixels=16, rays=32, processes=1)
+    ax = plot.psf_map(found)
+    picture = ax.images[0].get_array()
+    assert picture.shape == (2 * 17, 3 * 17)
+    np.testing.assert_allclose(picture[17:33, 34:50] ** 2 * found.energy[1, 2].max(), found.energy[1, 2])
+    left, right, bottom, top = ax.images[0].get_extent()
+    np.testing.assert_allclose([right - left, top - bottom], camera.film_size_mm)

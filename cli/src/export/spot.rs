@@ -21,7 +21,12 @@ pub struct Spot {
     pub rms: [f64; 2],
     /// Radii of the circles about the mean that hold 50 % and 80 % of the light, mm.
     pub encircled: [f64; 2],
+    /// Radius of the Airy disk that a perfect lens with as large a cone of light makes at this point, mm.
+    pub airy: f64,
 }
+
+/// Radius of the Airy disk over wavelength times f-number: the first zero of the Bessel function J1, over π.
+const AIRY: f64 = 1.219_67;
 
 /// Object points, by the film radii of their chief rays as shares of the lit radius.
 const FIELDS: [f64; 7] = [0.0, 0.2, 0.4, 0.6, 0.8, 0.9, 1.0];
@@ -39,10 +44,12 @@ pub fn spots(lens: &Lens, field: &ChiefField) -> Vec<Spot> {
     FIELDS.iter().map(ring).filter_map(|ring| Spot::of(&path, lens, field, &ring)).collect()
 }
 
-/// A ray through the lens: its position in the beam, its position on the film, and the light that it carries.
+/// A ray through the lens: its position in the beam, its position on the film, its direction cosines there, and the
+/// light that it carries.
 struct Landed {
     across: [f64; 2],
     film: [f64; 2],
+    cosines: [f64; 2],
     weight: f64,
 }
 
@@ -72,8 +79,10 @@ impl Spot {
             let out = path.trace(Ray { origin, direction }).ok()?;
             let along = (field.film.z - out.origin[2]) / out.direction[2];
             let [x, y] = [0, 1].map(|i| out.origin[i] + along * out.direction[i]);
+            let length = out.direction.iter().map(|d| d * d).sum::<f64>().sqrt();
+            let cosines = [0, 1].map(|i| out.direction[i] / length);
             // The image is upside down.
-            Some(Landed { across: [a, b], film: [-y, x], weight })
+            Some(Landed { across: [a, b], film: [-y, x], cosines, weight })
         };
         let grid = |[a0, a1]: [f64; 2], [b0, b1]: [f64; 2]| -> Vec<Landed> {
             let at = |from: f64, to: f64, i: u32| from + (to - from) * (f64::from(i) + 0.5) / f64::from(GRID);
@@ -98,10 +107,12 @@ impl Spot {
         let outside = found.iter().map(away).fold(0.0, f64::max) + 4.0 * reach / f64::from(GRID);
         // Along each arm, the nodes lie between the middle and the edge of the beam; each arm crosses the edge once.
         let mut rays = Vec::new();
+        let mut rim = Vec::new();
         for arm in 0..ARMS {
             let (sine, cosine) = (std::f64::consts::TAU * f64::from(arm) / f64::from(ARMS)).sin_cos();
             let at = |radius: f64| shoot([middle[0] + radius * cosine, middle[1] + radius * sine]);
             let end = edge(0.0, outside, 1e-6 * outside, |radius| at(radius).is_some());
+            rim.extend(at(end).map(|ray| ray.cosines));
             rays.extend(gauss_legendre().into_iter().filter_map(|(node, share)| {
                 let ray = at(node * end)?;
                 Some(Landed { weight: ray.weight * share * node * end * end, ..ray })
@@ -129,6 +140,7 @@ impl Spot {
             };
             radii.iter().find(holds).map_or(0.0, |(radius, _)| *radius)
         });
+        let airy = AIRY * lens.wavelength * 1e-6 * fnumber(&rim, lens.outer_indices()[1]);
         Some(Self {
             radius: ring.radius,
             angle: ring.angle.to_degrees(),
@@ -136,6 +148,7 @@ impl Spot {
             offset: centre[0] - ring.radius * field.film.pixel(),
             rms,
             encircled,
+            airy,
         })
     }
 
@@ -151,16 +164,26 @@ impl Spot {
             "encircled_50_mm": self.encircled[0],
             "encircled_80_mm": self.encircled[1],
             "rms_px": self.rms[0].hypot(self.rms[1]) / pixel,
+            "airy_radius_mm": self.airy,
         })
     }
 
     /// Formats the spot as a line of CSV.
     pub fn line(&self) -> String {
-        let numbers = [self.offset, self.rms[0], self.rms[1], self.encircled[0], self.encircled[1]];
+        let numbers =
+            [self.offset, self.rms[0], self.rms[1], self.encircled[0], self.encircled[1], self.airy];
         let numbers = numbers.map(|number| format!("{number:.6}")).join(",");
         format!("{:.3},{:.4},{},{numbers}\n", self.radius, self.angle, self.rays)
     }
 
     /// Names of the columns.
-    pub const HEADER: &'static str = "film_radius_px,angle_deg,rays,offset_mm,rms_radial_mm,rms_tangential_mm,encircled_50_mm,encircled_80_mm\n";
+    pub const HEADER: &'static str = "film_radius_px,angle_deg,rays,offset_mm,rms_radial_mm,rms_tangential_mm,encircled_50_mm,encircled_80_mm,airy_radius_mm\n";
+}
+
+/// Returns the f-number of the round cone of light that has the area of a pupil in direction cosines times the index
+/// of the medium; `rim` are the cosines around the pupil.
+fn fnumber(rim: &[[f64; 2]], index: f64) -> f64 {
+    let next = rim.iter().cycle().skip(1);
+    let area = 0.5 * rim.iter().zip(next).map(|([x, y], [u, v])| x * v - u * y).sum::<f64>().abs();
+    0.5 * (std::f64::consts::PI / area).sqrt() / index
 }

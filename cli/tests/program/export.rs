@@ -332,6 +332,14 @@ fn spots_match_focus_on_the_axis_and_grow_toward_the_corner() {
     assert!((found / rms - 1.0).abs() < 0.01, "{found} {rms}");
     let stopped = at(&["--fnumber", "22"]);
     assert!(number(&stopped[6], "rms_radial_mm") < number(&open[6], "rms_radial_mm"));
+    // The Airy disk of the axial cone, whose f-number `psf` reports; toward the corner the cone is narrower.
+    let cone =
+        succeeds(&["psf", "dgauss.50mm", "--json", "--rays", "64", "--pixels", "8", "--fnumber", "22"], "");
+    let cone = number(&serde_json::from_str(&cone).expect("JSON"), "fnumber_of_cone");
+    let airy = number(&stopped[0], "airy_radius_mm");
+    assert!((airy / (1.22 * 587.56e-6 * cone) - 1.0).abs() < 0.01, "{airy} {cone}");
+    assert!(airy > number(&stopped[0], "rms_radial_mm") && airy < number(&stopped[6], "airy_radius_mm"));
+    assert!(number(axis, "airy_radius_mm") < 0.1 * airy);
     let csv = succeeds(&["export", "dgauss.50mm", "--as", "spot"], "");
     let last =
         csv.lines().last().unwrap().split(',').map(|cell| cell.parse::<f64>().unwrap()).collect::<Vec<_>>();

@@ -6,8 +6,9 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 /// Pictures that other programs make, each with the test that compares it.
-const BY_OTHERS: [(&str, &str); 4] = [
+const BY_OTHERS: [(&str, &str); 5] = [
     ("python-export-grid.png", "python/tests/test_examples.py"),
+    ("python-field-maps.png", "python/tests/test_examples.py"),
     ("python-picture.png", "python/tests/test_examples.py"),
     ("python-lens-sheet.png", "python/tests/test_examples.py"),
     ("blender-studio.jpg", "blender/tests/test_pictures.py"),

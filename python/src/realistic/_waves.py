@@ -7,12 +7,16 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ._program import report
+from .errors import Error
+
+if TYPE_CHECKING:
+    from .camera import Camera
 
 
 @dataclass(frozen=True)
@@ -175,3 +179,27 @@ def mtf(
         )
 
     return tuple(one(table) for table in found["tables"])
+
+
+def parameters_of(camera: Camera) -> dict[str, Any]:
+    """Returns the parameters of a camera's lens and film, for `psf` and `mtf`, which refuse film that is not flat and
+    centred."""
+    given = camera.parameters
+    given.pop("model", None)
+    if given.get("focus_by", "film") == "film":
+        given.pop("focus_distance", None)
+        given["film_distance"] = camera.film_distance
+    return given
+
+
+def from_the_middle(camera: Camera, image_xy: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Returns where raster positions (n, 2) lie on the film as in the upright picture: mm to the right and up from the
+    middle, (n, 2). In lens space the image is upside down: x and y have the other sign."""
+    pixel = camera.film_size_mm[0] / camera.resolution[0]
+    across, down = ((image_xy - np.asarray(camera.resolution) / 2) * pixel).T
+    return np.stack([across, 0.0 - down], axis=-1)
+
+
+def is_dark(error: Error) -> bool:
+    """Whether an error states that no light, or no chief ray, reaches an image point."""
+    return "nearer the axis" in str(error)

@@ -1,7 +1,7 @@
 """Plots of a lens with matplotlib: `pip install "./python[plot]"`.
 
-Each function takes a camera or a lens and, optionally, the axes to draw into, and returns the axes. `fields` are
-fractions of half the diagonal, or a `Field`.
+Each function takes a camera or a lens and, optionally, the axes to draw into, and returns the axes; maps with diffraction
+take what `realistic.study` and `farm.psf_map` return. `fields` are fractions of half the diagonal, or a `Field`.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.patches import Circle
 
 from . import measure
 from .errors import quietly
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from .camera import Camera
+    from .farm import PsfMap, Table
     from .lens import Lens
 
 FIELDS = (0.0, 0.5, 0.7, 0.95)
@@ -47,13 +49,20 @@ def illumination(camera: Camera, ax: Axes | None = None) -> Axes:
 
 
 def spots(camera: Camera, ax: Axes | None = None, *, fields: Sequence[float] | Field = FIELDS) -> Axes:
-    """Plots spot diagrams of points in the plane in focus side by side, from the middle to the corner."""
+    """Plots spot diagrams of points in the plane in focus side by side, from the middle to the corner.
+
+    The dotted circles are Airy disks (`measure.airy_radius`), the spots of a perfect lens: smaller spots are not real.
+    """
     ax = ax or plt.subplots()[1]
     points = _field(fields)
     found = measure.spots(camera, points)
     micrometres = 1000 * camera.film_size_mm[0] / camera.resolution[0]
+    airy = np.full(len(found.rms), np.nan)
+    if camera.interfaces > 0:
+        airy = measure.airy_radius(camera, points) * micrometres
     lit = found.weight > 0
     reach = max((float(np.abs(found.offset[lit]).max()) * micrometres) if lit.any() else 0.0, 1e-3)
+    reach = max(reach, float(np.nanmax(airy, initial=0.0)))
     for i, (field, rms) in enumerate(zip(points.labels, found.rms)):
         offset = found.offset[i][lit[i]] * micrometres
         # A dot's area is proportional to its ray's light.
@@ -61,9 +70,12 @@ def spots(camera: Camera, ax: Axes | None = None, *, fields: Sequence[float] | F
         size = 3.0 * light / max(float(light.mean()), 1e-300) if light.size else light
         ax.scatter(offset[:, 0] + 2.4 * reach * i, -offset[:, 1], s=size, linewidths=0, color="tab:blue")
         label = f"field {field}\nRMS {rms * micrometres:.1f} µm"
+        if np.isfinite(airy[i]):
+            ax.add_patch(Circle((2.4 * reach * i, 0.0), airy[i], fill=False, linestyle=":", edgecolor="0.3", zorder=3))
+            label += f"\nAiry {airy[i]:.1f} µm"
         ax.annotate(label, (2.4 * reach * i, -1.1 * reach), ha="center", va="top", fontsize=8)
     ax.set_xlim(-1.3 * reach, 2.4 * reach * (len(found.rms) - 1) + 1.3 * reach)
-    ax.set_ylim(-1.9 * reach, 1.2 * reach)
+    ax.set_ylim(-2.2 * reach, 1.2 * reach)
     ax.set_aspect("equal")
     ax.set(title=f"{_name(camera)}: spots", ylabel="µm on the film", xticks=[])
     return ax
@@ -149,6 +161,66 @@ def psf(
     strehl = found.wavefront.strehl
     ax.set(title=f"{lens.name}: Strehl ratio {strehl:.3f}", xlabel="µm", ylabel="µm")
     return ax
+
+
+def psf_map(found: PsfMap, ax: Axes | None = None) -> Axes:
+    """Shows the pictures of points at a grid over the picture, of `farm.psf_map`, each magnified, at its place.
+
+    The picture is upright. Each shows the square root of the energy, relative to its own peak.
+    """
+    ax = ax or plt.subplots(layout="constrained")[1]
+    rows, columns, pixels, _ = found.energy.shape
+    # A line of NaN separates the pictures.
+    tiles = np.full((rows, columns, pixels + 1, pixels + 1), np.nan)
+    peak = found.energy.max(axis=(2, 3), keepdims=True)
+    tiles[..., :-1, :-1] = np.sqrt(found.energy / np.where(peak > 0, peak, np.nan))
+    whole = tiles.transpose(0, 2, 1, 3).reshape(rows * (pixels + 1), columns * (pixels + 1))
+    ax.imshow(whole, cmap="inferno", vmin=0.0, vmax=1.0, extent=_extent(found.x_mm, found.y_mm), aspect="auto")
+    ax.set_box_aspect(rows / columns)
+    ax.set_xticks(found.x_mm, [f"{x:.3g}" for x in found.x_mm])
+    ax.set_yticks(found.y_mm, [f"{y:.3g}" for y in found.y_mm])
+    side = 1000 * pixels * found.pitch_mm
+    ax.set(title=f"{found.lens_name}: points, {side:.3g} µm wide", xlabel="mm on the film", ylabel="mm on the film")
+    return ax
+
+
+def field_map(table: Table, column: str, ax: Axes | None = None) -> Axes:
+    """Shows a column of a study over the picture, such as "strehl", "wavefront_rms" or "wave_mtf_tangential_30".
+
+    The table has the rows of one camera at all points of a `Field.grid`.
+
+    Raises
+    ------
+    ValueError
+        For a table of several cameras, or of other points.
+    """
+    ax = ax or plt.subplots(layout="constrained")[1]
+    x, y = (np.unique(np.round(table[name], 6)) for name in ("x_mm", "y_mm"))
+    cameras = {name: np.unique(table[name]) for name in ("lens", "fnumber", "focus_distance", "wavelength")}
+    if several := [name for name, values in cameras.items() if len(values) > 1]:
+        raise ValueError(f"a map shows one camera, and these rows differ in {', '.join(several)}: select some of them")
+    values = np.full((len(y), len(x)), np.nan)
+    at = np.searchsorted(y, np.round(table["y_mm"], 6)), np.searchsorted(x, np.round(table["x_mm"], 6))
+    if len(table) != values.size or len({*zip(*(part.tolist() for part in at))}) != values.size:
+        raise ValueError("a map shows the points of a grid: give the study fields=Field.grid(columns, rows)")
+    values[at] = table[column]
+    shown = ax.imshow(values, cmap="viridis", origin="lower", extent=_extent(x, y))
+    ax.figure.colorbar(shown, ax=ax, label=column, shrink=0.7)
+    number = float(table["fnumber_used"][0])
+    ax.set(title=f"{table['lens'][0]}, f/{number:.3g}: {column}", xlabel="mm on the film", ylabel="mm on the film")
+    return ax
+
+
+def _extent(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[float, float, float, float]:
+    """Returns left, right, bottom and top of a map whose parts have their middles at x and y, which are evenly
+    spaced."""
+    sides = []
+    for middles in (x, y):
+        low, high = float(middles.min()), float(middles.max())
+        half = 0.5 * (high - low) / (len(middles) - 1) if len(middles) > 1 else 0.5
+        sides += [low - half, high + half]
+    left, right, bottom, top = sides
+    return left, right, bottom, top
 
 
 def distortion(camera: Camera, ax: Axes | None = None) -> Axes:

@@ -1,10 +1,11 @@
-"""Parallel work: tables of measures over many cameras, and pictures in tiles.
+"""Parallel work: tables of measures over many cameras, maps of point spread functions, and pictures in tiles.
 
-Both run on this machine's processors, or on a Dask cluster if a client is given.
+All run on this machine's processors, or on a Dask cluster if a client is given.
 """
 
+from .psf_map import PsfMap, psf_map
 from .study import study
 from .table import Table
 from .tiles import render
 
-__all__ = ["Table", "render", "study"]
+__all__ = ["PsfMap", "Table", "psf_map", "render", "study"]

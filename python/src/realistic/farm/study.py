@@ -108,9 +108,10 @@ def study(
         - `lens`, `focus_distance`, `wavelength`, as requested;
         - `fnumber`, as requested, NaN for the lens's own stop; `fnumber_used`, which differs if the lens cannot open so
           far;
-        - `field`, the distance from the middle divided by half the diagonal; `field_angle_deg`, the field angle;
+        - `field`, the distance from the middle divided by half the diagonal; `field_angle_deg`, the field angle; `x_mm`
+          and `y_mm`, the place on the film as in the upright picture, to the right and up from the middle;
         - `focal_length_mm`;
-        - `spot_rms_um`, on the film;
+        - `spot_rms_um`, on the film, and its diffraction limit, `airy_radius_um` (`measure.airy_radius`);
         - for each frequency F, the geometric `mtf_tangential_F` and `mtf_sagittal_F`, and their diffraction limit,
           `mtf_diffraction_F`;
         - with `diffraction`, `wavefront_rms` (waves), `strehl`, and for each frequency F `wave_mtf_tangential_F` and
@@ -161,8 +162,6 @@ def study(
 
 
 _CURVES = ("tangential", "sagittal")
-# Parameters of a camera that its lens has, too.
-_OF_LENS = {"glass_catalog", "strict", "focus_by", "zoom", "mm_per_unit", "blades", "blade_rotation", "blade_curvature"}
 
 
 @dataclass(frozen=True)
@@ -206,8 +205,8 @@ def _dtype(frequencies: Sequence[float], found: Sequence[dict[str, list[Any]]], 
     def text(name: str) -> tuple[str, str]:
         return name, f"U{max((len(each) for columns in found for each in columns[name]), default=1) or 1}"
 
-    names = ["fnumber", "fnumber_used", "focus_distance", "field", "field_angle_deg", "wavelength"]
-    names += ["focal_length_mm", "spot_rms_um"]
+    names = ["fnumber", "fnumber_used", "focus_distance", "field", "field_angle_deg", "x_mm", "y_mm", "wavelength"]
+    names += ["focal_length_mm", "spot_rms_um", "airy_radius_um"]
     names += [
         f"mtf_{curve}_{frequency:g}" for frequency in frequencies for curve in ("tangential", "sagittal", "diffraction")
     ]
@@ -274,9 +273,13 @@ def _measure(job: _Job, found: dict[str, Any]) -> NDArray[np.bool_]:
             fill("field", points.share(camera.resolution))
         else:
             fill("field_angle_deg", measure.field_angle(camera, points, distance=job.focus_distance))
+        for name, numbers in zip(("x_mm", "y_mm"), _waves.from_the_middle(camera, image_xy[reached]).T):
+            fill(name, numbers)
         fill("relative_illumination", measure.relative_illumination(camera, points))
         spots = measure.spots(camera, points, distance=job.focus_distance)
-        fill("spot_rms_um", spots.rms * 1000 * camera.film_size_mm[0] / camera.resolution[0])
+        micrometres = 1000 * camera.film_size_mm[0] / camera.resolution[0]
+        fill("spot_rms_um", spots.rms * micrometres)
+        fill("airy_radius_um", measure.airy_radius(camera, points) * micrometres)
         fill("acceptance", (camera.rays(image_xy[reached][:, None], lens_grid(32)).weight > 0).mean(axis=-1))
         frequencies = np.asarray(job.frequencies, np.float64)
         mtf, limit = transfer_of(camera, image_xy[reached], spots, frequencies), diffraction_mtf(camera, frequencies)
@@ -295,23 +298,17 @@ def _diffracted(job: _Job, camera: Camera, image_xy: NDArray[np.float64]) -> dic
     """Returns the columns with diffraction, at points of the picture in pixels."""
     names = ["wavefront_rms", "strehl"]
     names += [f"wave_mtf_{curve}_{frequency:g}" for frequency in job.frequencies for curve in _CURVES]
-    if job.parameters.get("model", "lens") != "lens":
+    if camera.parameters.get("model", "lens") != "lens":
         return {name: np.full(len(image_xy), np.nan) for name in names}
-    own = {name: value for name, value in job.parameters.items() if name in _OF_LENS}
-    lens = {**own, "lens_file": job.lens, "fnumber": job.fnumber, "wavelength": job.wavelength}
-    lens["film_distance"] = camera.film_distance
-    scale = own.get("mm_per_unit", 1.0)
-    size, pixel = np.asarray(camera.resolution), camera.film_size_mm[0] / camera.resolution[0]
-    # The image on the film is upside down.
-    points = (image_xy - size / 2) * pixel * [-1.0, 1.0]
+    lens = _waves.parameters_of(camera)
+    distance = job.focus_distance * float(job.parameters.get("mm_per_unit", 1.0))
     rows = []
-    for point in points:
+    for point in -_waves.from_the_middle(camera, image_xy):
         try:
-            tables = _waves.mtf(lens, job.frequencies, point, job.focus_distance * scale, None, 192, (0.0,))
+            tables = _waves.mtf(lens, job.frequencies, point, distance, None, 192, (0.0,))
         except Error as error:
-            if "nearer the axis" not in str(error):
-                raise
-            # No light, or no chief ray, at this point.
+            if not _waves.is_dark(error):
+                raise ValueError(str(error)) from None
             rows.append([np.nan] * len(names))
             continue
         curves = np.stack([tables[0].tangential, tables[0].sagittal], axis=1)

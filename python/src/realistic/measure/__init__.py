@@ -3,10 +3,10 @@ curvature.
 
 Points of the picture are given either as a `Field` (in pixels, fractions or field angles) or as an array of raster
 positions in pixels, like `image_xy` of `Camera.rays`. Measures are geometric optics, without diffraction;
-`diffraction_mtf` is the diffraction limit.
+`diffraction_mtf` and `airy_radius` are the diffraction limit.
 """
 
-from .diffraction import diffraction_mtf, working_fnumber
+from .diffraction import airy_radius, diffraction_mtf, working_fnumber
 from .fans import Fans, fans, field_curvature
 from .field import distortion, relative_illumination
 from .intrinsics import Intrinsics, intrinsics
@@ -18,6 +18,7 @@ __all__ = [
     "Field",
     "Intrinsics",
     "Spots",
+    "airy_radius",
     "diffraction_mtf",
     "distortion",
     "fans",

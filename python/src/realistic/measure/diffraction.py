@@ -1,7 +1,7 @@
 """The diffraction limit of an image, which no lens exceeds; geometric measures do not include it.
 
-It is the MTF of a circular pupil without aberrations (J. W. Goodman, *Introduction to Fourier Optics*, 3rd edition,
-2005, section 6.3.3).
+It is the MTF and the Airy disk of a circular pupil without aberrations (J. W. Goodman, *Introduction to Fourier Optics*,
+3rd edition, 2005, sections 6.3.3 and 4.4.2).
 """
 
 from __future__ import annotations
@@ -12,11 +12,16 @@ import numpy as np
 
 from ..errors import quietly
 from .bundles import in_camera_space, pupil_rule
+from .points import film_points
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from ..camera import Camera
+    from .points import FieldLike
+
+_AIRY = 1.21967
+"""Radius of the Airy disk over wavelength times f-number: the first zero of the Bessel function J1, over π."""
 
 
 def working_fnumber(camera: Camera) -> float:
@@ -41,13 +46,49 @@ def working_fnumber(camera: Camera) -> float:
 
 def fnumber_if_lit(camera: Camera) -> float:
     """Returns `working_fnumber` of a camera with a lens; infinite if no light reaches the middle of the picture."""
+    return float(_fnumbers(camera, np.array([camera.resolution], np.float64) / 2)[0])
+
+
+def _fnumbers(camera: Camera, image_xy: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Returns the working f-numbers at film points (n, 2) in pixels, those of round cones with as much light, (n,);
+    infinite without light."""
     with in_camera_space(camera) as plain, quietly():
         # The mean weight is the projected solid angle of the cone, π sin²θ'.
         lit = plain.replace(weighting="radiometric", simple_weighting=None, transmission=None, ghosts=None)
-        middle = np.array([camera.resolution], np.float64) / 2
-        lens_uv, share = pupil_rule(lit, middle, 16)
-        light = float((lit.rays(middle[:, None], lens_uv).weight * share).sum())
-    return float(np.sqrt(np.pi / light) / 2) if light > 0 else float("inf")
+        lens_uv, share = pupil_rule(lit, image_xy, 16)
+        light = (lit.rays(image_xy[:, None], lens_uv).weight * share).sum(axis=1)
+    with np.errstate(divide="ignore"):
+        return np.asarray(np.sqrt(np.pi / light) / 2, np.float64)
+
+
+def airy_radius(camera: Camera, field: FieldLike, *, distance: float | None = None) -> NDArray[np.float64]:
+    """Returns the radius of the Airy disk, the picture that a perfect lens makes of a point: smaller spots are not real.
+
+    Parameters
+    ----------
+    field : Field or array_like (n, 2)
+        Field points.
+    distance : float, optional
+        Distance of the plane to which field angles refer, given like `focus_distance`; default the plane in focus.
+
+    Returns
+    -------
+    ndarray (n,)
+        1.22 λ N in pixels, to the first dark ring, N being the f-number of a round cone with as much light as reaches the
+        point; NaN where there is no light.
+
+    Raises
+    ------
+    ValueError
+        For a model without a lens.
+    """
+    if camera.interfaces == 0:
+        raise ValueError("a camera without a lens has no Airy disk")
+    image_xy, shape = film_points(camera, field, distance)
+    numbers = _fnumbers(camera, image_xy)
+    pixel = camera.film_size_mm[0] / camera.resolution[0]
+    radius = _AIRY * 1e-6 * wavelength_of(camera) * np.where(np.isfinite(numbers), numbers, np.nan) / pixel
+    return np.asarray(radius.reshape(shape))
 
 
 def wavelength_of(camera: Camera) -> float:

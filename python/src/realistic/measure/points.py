@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 class Field:
     """Points of the picture: in pixels, as fractions of the picture, or as field angles.
 
-    Make a field by `Field.pixels`, `Field.fractions` or `Field.angles`. Measures return results in the shape of the
+    Make a field by `Field.pixels`, `Field.fractions`, `Field.grid` or `Field.angles`. Measures return results in the shape of the
     points; for one point, a single result.
 
     Attributes
@@ -70,6 +70,18 @@ class Field:
             if numbers is not None and (np.abs(numbers) > 1).any():
                 raise ValueError(f"fractions of the picture are from -1 to 1, and not {numbers.tolist()}")
         return field
+
+    @classmethod
+    def grid(cls, columns: int, rows: int) -> Field:
+        """Makes a field of the middles of `columns` times `rows` equal parts of the picture, (rows, columns): from the
+        left, and from the top.
+
+        Maps over the picture have such a field.
+        """
+        if min(columns, rows) < 1:
+            raise ValueError(f"a grid has a column and a row at least, and not {columns} x {rows}")
+        x, y = ((2 * np.arange(count) + 1) / count - 1 for count in (columns, rows))
+        return cls("fractions", *np.meshgrid(x, -y))
 
     @classmethod
     def angles(cls, diagonal: ArrayLike | None = None, *, x: ArrayLike = 0.0, y: ArrayLike = 0.0) -> Field:
