@@ -57,8 +57,33 @@ def test_an_example_without_arguments_prints_its_usage(checkout, tmp_path, name)
 
 
 def test_every_example_is_tested(checkout):
-    tested = ["agreement", "export_grid", "field_maps", "intrinsics", "lens_sheet", "picture"]
+    tested = ["agreement", "export_grid", "field_maps", "intrinsics", "lens_sheet", "picture", "wave_peers"]
     assert [file.stem for file in examples(checkout)] == tested
+
+
+def numbers(cells):
+    """Returns all numbers in some texts."""
+    return [float(number) for cell in cells for number in re.findall(r"\d+\.\d+", cell)]
+
+
+def test_wave_peers_compares_a_lens(checkout, tmp_path):
+    """Without the other programs the table has this library's numbers; prysm, where it is, has the same."""
+    file = checkout / "python/examples/wave_peers.py"
+    command = [sys.executable, str(file), "tessar.50mm", "8", "10"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in done.stdout.splitlines() if " mm |" in line]
+    page = (checkout / "docs/waves.md").read_text()
+    for place, at in (("on the axis", "0 mm"), ("10 mm off it", "10 mm")):
+        own = next(numbers(row[2:7]) for row in rows if row[:2] == [at, "realistic"])
+        shown = numbers([re.search(rf"^\| {place} \|[^|]*\|(.*)$", page, re.MULTILINE).group(1)])
+        # On the axis the page has the sagittal MTF once.
+        np.testing.assert_allclose(own[: len(shown)], shown, atol=1.5e-4)
+        for row in rows:
+            if row[:2] == [at, "prysm"]:
+                np.testing.assert_allclose(numbers(row[4:7]), own[2:], atol=2e-4)
+    done = subprocess.run(command[:2], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 2 and "usage: python wave_peers.py LENS" in done.stderr
 
 
 def test_agreement_compares_a_folder(checkout, tmp_path):
