@@ -12,7 +12,7 @@
 
 use realistic_optics::{
     lens::{Figure, Surface, UnsymmetricFigure},
-    prescription::{Asphere, Cylinder, FIRST_POWER, Meridian, NO_TERMS, Unsymmetric},
+    prescription::{Asphere, Cylinder, Meridian, NO_TERMS, Unsymmetric},
     trace::{Blocked, Real},
 };
 
@@ -327,8 +327,8 @@ impl Scan {
             slope += i / 2.0 * term * middle.powi(power - 2);
             steepest += i * term.abs() * high.powi(power - 1);
             // The derivative of r with respect to u is steepest at the inner edge; that of r² is constant.
-            let steepest = if power == 1 { low } else { high };
-            bend += i * (i - 2.0).abs() / 2.0 * term.abs() * steepest.powi(power - 3);
+            let worst = if power == 1 { low } else { high };
+            bend += i * (i - 2.0).abs() / 2.0 * term.abs() * worst.powi(power - 3);
             edge_slope += i / 2.0 * term * self.edge_radius.powi(power - 2);
             edge_size += i / 2.0 * term.abs() * self.edge_radius.powi(power - 2);
         }

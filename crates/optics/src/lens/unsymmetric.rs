@@ -38,7 +38,8 @@ pub struct RegionBounds {
 
 /// Number of squares along a side of the quarter of a region.
 const SQUARES: u32 = 24;
-/// Possible reaches in clear semi-diameters. The largest at which the figure has bounds is used.
+/// Possible reaches in clear semi-diameters. The largest is used to which the figure has bounds, and rises or falls beyond
+/// its rim by at most a semi-diameter: farther terms of high powers would stand in the way of rays that meet the surface.
 const REACHES: [f64; 4] = [3.0, 2.0, 1.5, 1.2];
 
 impl UnsymmetricFigure {
@@ -46,8 +47,13 @@ impl UnsymmetricFigure {
     pub fn new(surface: &Unsymmetric, semi_diameter: f64) -> Self {
         let bounds = |reach: f64| RegionBounds::of(surface, reach * semi_diameter);
         let inside = bounds(1.0);
+        let [low, high] = inside.sagitta;
+        let stays_near = |bounds: &RegionBounds| {
+            let [least, most] = bounds.sagitta;
+            bounds.is_finite() && least >= low - semi_diameter && most <= high + semi_diameter
+        };
         let beyond =
-            REACHES.into_iter().map(|reach| (reach, bounds(reach))).find(|(_, bounds)| bounds.is_finite());
+            REACHES.into_iter().map(|reach| (reach, bounds(reach))).find(|(_, bounds)| stays_near(bounds));
         let (reach, beyond) = beyond.unwrap_or((1.0, inside));
         Self { surface: *surface, rim: semi_diameter, inside, beyond, reach: reach * semi_diameter }
     }

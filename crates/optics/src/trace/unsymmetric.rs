@@ -60,7 +60,7 @@ pub struct SheetBounds {
 }
 
 /// Maximum number of steps along a ray.
-const STEPS: u32 = 64;
+const STEPS: u32 = 256;
 
 impl SheetBounds {
     fn new(bounds: &RegionBounds, is_forward: bool, margin: f64) -> Self {

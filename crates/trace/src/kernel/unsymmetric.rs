@@ -372,6 +372,6 @@ impl<L: Lanes, A: Apertures<L>> RayLanes<L, A> {
 }
 
 /// Maximum number of steps along rays, as in the walk.
-const STEPS: usize = 64;
+const STEPS: usize = 256;
 /// Factor by which rounding may move a squared distance beyond the bound on it.
 const BESIDE: f64 = 1.0 + 1e-6;
