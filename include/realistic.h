@@ -694,6 +694,16 @@ typedef struct realistic_lens_info {
     uint32_t is_centred;
     // Number of mirrors among the surfaces.
     uint32_t mirrors;
+    // The f-number in the meridian x.
+    double fnumber_x;
+    // z of the entrance pupil in the meridian x, mm.
+    double entrance_pupil_x_mm;
+    // Diameter of the entrance pupil in the meridian x, mm.
+    double entrance_pupil_diameter_x_mm;
+    // z of the exit pupil in the meridian x, mm.
+    double exit_pupil_x_mm;
+    // Diameter of the exit pupil in the meridian x, mm.
+    double exit_pupil_diameter_x_mm;
 } realistic_lens_info;
 
 // One surface of a lens. `realistic_lens_get_surface` fills this structure.
@@ -719,12 +729,12 @@ typedef struct realistic_lens_surface {
     // curvature.
     double conic_radius_mm;
     // Conic constant k: 0 for a sphere or a plane, -1 for a paraboloid, less for a hyperboloid. With c =
-    // 1/`conic_radius_mm` and r the distance from the axis, the surface lies c r²/(1 + √(1 - (1 + k) c² r²)) + A2 r² +
-    // A3 r³ + … + A30 r^30 behind its vertex plane, toward the film (W. J. Smith, *Modern Optical Engineering*, on
+    // 1/`conic_radius_mm` and r the distance from the axis, the surface lies c r²/(1 + √(1 - (1 + k) c² r²)) + A1 r +
+    // A2 r² + … + A30 r^30 behind its vertex plane, toward the film (W. J. Smith, *Modern Optical Engineering*, on
     // aspheric surfaces).
     double conic;
-    // Coefficients A2, A3, … A30 of the asphere; Ai is in mm^(1 - i).
-    double aspheric[29];
+    // Coefficients A1, A2, … A30 of the asphere; Ai is in mm^(1 - i).
+    double aspheric[30];
     // Vertex radius in the meridian x, mm. It differs from `radius_mm`, which is that in y, for a cylinder, a toroid or a
     // biconic; their other numbers are not given.
     double radius_x_mm;

@@ -91,7 +91,7 @@ pub struct realistic_lens_info {
     pub is_centred: u32,
     /// Number of mirrors among the surfaces.
     pub mirrors: u32,
-    /// The f-number, and z and diameters of the pupils as above, in the meridian x.
+    /// The f-number in the meridian x.
     pub fnumber_x: f64,
     /// z of the entrance pupil in the meridian x, mm.
     pub entrance_pupil_x_mm: f64,
