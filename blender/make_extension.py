@@ -1,5 +1,5 @@
 """Makes the extension's zip: the code and, for every lens of the catalogue, a shader, a cross-section and its facts.
-Lenses that are not round have no shader and are left out.
+Lenses with mirrors have no shader and are left out.
 
     python3 blender/make_extension.py OUT.zip [PROGRAM]
 
@@ -43,7 +43,7 @@ def main(out: Path, program: str) -> None:
     """Writes the extension's zip."""
     # The list has a heading and one line per lens.
     listed = [line.split()[0] for line in run(program, "lens", "--list").splitlines()[1:]]
-    names = [name for name in listed if json.loads(run(program, "lens", name, "--json"))["is_round"]]
+    names = [name for name in listed if json.loads(run(program, "lens", name, "--json"))["mirrors"] == 0]
     with tempfile.TemporaryDirectory() as made, ThreadPoolExecutor(cpu_count()) as pool:
         folder = Path(made)
         facts = dict(zip(names, pool.map(lambda name: lens(program, name, folder), names)))

@@ -13,8 +13,10 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
-# Lenses that are not round have no shader.
-ROUND = tuple(name for name in realistic.catalogue() if realistic.Lens(name).is_round)
+# Lenses with mirrors have no shader.
+SHADERS = tuple(
+    name for name in realistic.catalogue() if not any(surface.is_mirror for surface in realistic.Lens(name).surfaces)
+)
 
 
 def empty(size: tuple[int, int], samples: int) -> tuple[Any, Any]:

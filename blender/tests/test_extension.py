@@ -16,7 +16,7 @@ import bpy
 import numpy as np
 import pytest
 import tomllib
-from stage import ROUND, empty, picture, read
+from stage import SHADERS, empty, picture, read
 
 MODULE = "bl_ext.user_default.realistic"
 ROOT = Path(__file__).parents[2]
@@ -492,7 +492,7 @@ def test_the_panel_shows_the_lens_and_has_every_button(stage):
     # Without a window, icons have no numbers; the picture's size shows that the icon exists.
     assert [kind for kind, *_ in calls].count("template_icon") == 1
     extension = sys.modules[MODULE]
-    assert set(extension._previews) == set(extension._facts) == set(ROUND)
+    assert set(extension._previews) == set(extension._facts) == set(SHADERS)
     assert min(extension._previews["wide.22mm"].image_size) > 100
     buttons = [given[0] for kind, given, _ in calls if kind == "operator"]
     assert buttons == ["realistic.set_up", "realistic.from_file", "realistic.take_off"]

@@ -7,7 +7,7 @@ import subprocess
 import bpy
 import numpy as np
 import pytest
-from stage import ROUND, empty, picture, show_directions, use_shader
+from stage import SHADERS, empty, picture, show_directions, use_shader
 
 import realistic
 
@@ -41,7 +41,7 @@ def instrumented(text: str, screen: float) -> str:
     return f"{before}  if (shown > 0) {{\n    direction = {direction};\n    throughput = 1;\n    return;\n  }}\n{trace}{after}"
 
 
-@pytest.mark.parametrize("name", ROUND)
+@pytest.mark.parametrize("name", SHADERS)
 def test_rays_are_those_of_double_precision(lenses, program, name, tmp_path):
     text, facts = lenses[name]
     if facts["focuses_by_groups"]:
@@ -85,5 +85,5 @@ def test_rays_are_those_of_double_precision(lenses, program, name, tmp_path):
         flush=True,
     )
     assert count > 0.9 * len(SETTINGS) * SIZE[0] * SIZE[1]
-    assert len(error) > 0.95 * count
+    assert len(error) > (0.95 if realistic.Lens(name).is_round else 0.84) * count
     assert differ <= 2 and np.median(error) < 2e-6 and error.max() < 1e-5

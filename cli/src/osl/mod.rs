@@ -2,7 +2,8 @@
 //!
 //! The input is a lens file. `stations` has its groups at several positions of the zoom, and `optics` its focus and
 //! stop; `field`, `region`, `table` and `stop` turn the library's map of the pupil into a table small enough for a
-//! shader. The output is OSL (`numbers`, `trace`, `figure`, `glass`, `light`, `pupil`, `shader`). OSL cameras work in
+//! shader; `quarter` makes the table of a lens that is not round. The output is OSL (`numbers`, `trace`, `figure`, `glass`,
+//! `light`, `pupil`, `quarter`, `shader`). OSL cameras work in
 //! metres with +z forward and +y up; the shader works in millimetres in lens space.
 
 mod field;
@@ -13,6 +14,7 @@ mod numbers;
 mod optics;
 mod polynomial;
 mod pupil;
+mod quarter;
 mod region;
 mod shader;
 mod stations;

@@ -14,6 +14,7 @@ use realistic_optics::imaging::axial_beam::{AxialBeam, semi_diameter_for_beam};
 use realistic_optics::imaging::focus::{AxialImage, Focus, FocusError};
 use realistic_optics::lens::pupil::{EntrancePupil, ExitPupil};
 use realistic_optics::lens::{Lens, first_order::FirstOrder};
+use realistic_optics::prescription::Meridian;
 
 /// Magnification at the nearest focus, unless the lens states a nearer one.
 const NEAREST_MAGNIFICATION: f64 = 0.15;
@@ -123,6 +124,12 @@ impl Optics {
     /// Returns the focal length on the film's side, mm.
     pub fn rear_focal_length(&self) -> f64 {
         self.focal_length * self.lens.rear().n_film
+    }
+
+    /// Returns the ratio of the focal length, which is that in the meridian y, to that in the meridian x.
+    pub fn squeeze(&self) -> f64 {
+        let across = FirstOrder::in_meridian(&self.lens, Meridian::X);
+        across.map_or(1.0, |across| self.focal_length / across.focal_length)
     }
 
     /// Returns the vergence at the front vertex, 1/mm, of the object for a focus.

@@ -124,9 +124,10 @@ pub fn text(stations: &[Optics], table: &PupilTable) -> String {
     )
 }
 
-/// Returns the text that computes `opening`, the square of the radius in mm of the pupil of the film's centre, from
-/// `b`, `stop` and the square of `stop`; and the array that this text needs, if the lens does not zoom.
-pub fn opening(stations: &[Optics], table: &PupilTable, numbers: &mut Moving) -> String {
+/// Returns the text that samples the pupil from the position `b` of the focus in the table: the slopes `sx` and `sy`, and
+/// `centre`, the irradiance of the film's centre over pi; and the array that this text needs, if the lens does not zoom.
+pub fn sampling(stations: &[Optics], table: &PupilTable, numbers: &mut Moving) -> String {
+    let field = numbers.text(table.stations.iter().map(|span| 1.0 / span.widest_field));
     let rows: Vec<Vec<f64>> = stations
         .iter()
         .zip(&table.stations)
@@ -146,12 +147,21 @@ pub fn opening(stations: &[Optics], table: &PupilTable, numbers: &mut Moving) ->
     let at = |step: usize, term: usize| format!("{name}[at + {}]", start + AXIS * step + term);
     let stop_radius = |step: usize| format!("({} + s2*({} + s2*{}))", at(step, 1), at(step, 2), at(step, 3));
     format!(
-        "  /* The radius of the pupil of the film's centre, mm. */\n{declared}  \
+        "  float r = sqrt(fx*fx + fy*fy);\n  \
+           float ex = r > 0 ? fx/r : 1;\n  \
+           float ey = r > 0 ? fy/r : 0;\n  \
+           if (!pupil(r*far*{field}, b,{} stop, lens_sample[0], lens_sample[1], px, py, patch))\n    return;\n  \
+           float along = (px - r)*far;\n  \
+           float across = py*far;\n  \
+           float sx = ex*along - ey*across;\n  \
+           float sy = ey*along + ex*across;\n\n  \
+           /* The radius of the pupil of the film's centre, and the irradiance there over pi. */\n{declared}  \
            int at = min(int(b), {});\n  \
            float c = b - at;\n  \
            at *= {AXIS};\n  \
-           float opening = min(stop*((1 - c)*{} + c*{}), (1 - c)*{} + c*{});\n  \
-           opening *= opening;\n",
+           float opening = far*min(stop*((1 - c)*{} + c*{}), (1 - c)*{} + c*{});\n  \
+           float centre = opening*opening/(1 + opening*opening);\n",
+        if stations.len() > 1 { " zoomed," } else { "" },
         FOCI - 2,
         stop_radius(0),
         stop_radius(1),

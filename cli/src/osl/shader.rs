@@ -6,6 +6,7 @@ use super::numbers::Numbers;
 use super::optics::{FOCUS_TERMS, Optics, STOP_TERMS};
 use super::polynomial::Polynomial;
 use super::pupil;
+use super::quarter::QuarterTable;
 use super::stations::Station;
 use super::table::{FOCI, PupilTable, Span};
 use super::text::{is_complete, number, plain};
@@ -63,7 +64,7 @@ impl OslCamera {
         let ShaderRequest { prescription, stations, start, .. } = *request;
         let lens = &stations[start].lens;
         let name = &lens.name;
-        Failure::unless_round(lens, "a shader for Blender")?;
+        takes(request)?;
         if lens.surfaces.len() > MOST_SURFACES {
             let count = lens.surfaces.len();
             return Err(Failure::Other(format!(
@@ -86,13 +87,9 @@ impl OslCamera {
         } else {
             Vec::new()
         };
-        let table = PupilTable::of(&all, &others, request.reach)
+        let pupils = Pupils::of(&all, &others, request.reach)
             .ok_or_else(|| Failure::Other(format!("no light passes along the axis of lens \"{name}\"")))?;
-        let bright = |(optics, span): (&Optics, &Span)| {
-            span.widest_field * (optics.film_distance(0.0, 1.0) + optics.plane)
-        };
-        // For a zoom lens, the smallest reach of all stations applies.
-        let reach = all.iter().zip(&table.stations).map(bright).fold(request.reach, f64::min);
+        let reach = pupils.reach(&all).min(request.reach);
         let optics = &all[start];
         let nearest = all.iter().map(Optics::nearest_object).fold(0.0, f64::max);
         let focal = |station: &Optics| station.focal_length;
@@ -124,9 +121,9 @@ impl OslCamera {
         camera.text = camera.header(request)
             + if request.spectral { glass::colour() } else { String::new() }.as_str()
             + &functions.unwrap_or_default()
-            + &pupil::text(&all, &table)
+            + &pupils.text(&all)
             + &trace::text(&traced)
-            + &entry_function(request, &all, &table, &traced);
+            + &entry_function(request, &all, &pupils, &traced);
         if !is_complete(&camera.text) {
             return Err(Failure::Other(format!(
                 "lens \"{name}\" has numbers beyond single precision, in which a shader computes; give a lens of millimetres, as in \
@@ -183,6 +180,71 @@ impl OslCamera {
             if request.coatings.is_some() { ";\n   what its surfaces reflect is lost" } else { "" },
             facts,
         )
+    }
+}
+
+/// Refuses lenses of which the shader has no trace or no pupil.
+fn takes(request: &ShaderRequest<'_>) -> Result<(), Failure> {
+    let lens = &request.stations[request.start].lens;
+    let is_posed =
+        lens.film_break.is_some() || lens.surfaces.iter().any(|surface| surface.coordinate_break.is_some());
+    let (what, instead) = if lens.has_mirror() {
+        ("mirrors", "a host of the library renders it")
+    } else if is_posed {
+        ("tilted or decentred surfaces", "a host of the library renders it, or remove them from the file")
+    } else if !lens.is_round() && request.stations.len() > 1 {
+        ("cylindrical surfaces and zooms", "choose one focal length with --zoom")
+    } else {
+        return Ok(());
+    };
+    Err(Failure::Other(format!(
+        "lens \"{}\" has {what}, which a shader for Blender cannot trace: {instead}",
+        lens.name
+    )))
+}
+
+/// The pupils of all film points.
+enum Pupils {
+    Round(PupilTable),
+    Quarter(QuarterTable),
+}
+
+impl Pupils {
+    /// Makes the tables for film points up to `reach` mm from the axis, as [`PupilTable::of`].
+    fn of(stations: &[Optics], others: &[Lens], reach: f64) -> Option<Self> {
+        match stations {
+            [optics] if !optics.lens.is_round() => QuarterTable::of(optics, others, reach).map(Self::Quarter),
+            _ => PupilTable::of(stations, others, reach).map(Self::Round),
+        }
+    }
+
+    /// Returns the distance from the axis up to which film points get light, mm; the smallest of all stations applies.
+    fn reach(&self, stations: &[Optics]) -> f64 {
+        let bright = |(optics, span): (&Optics, &Span)| {
+            span.widest_field * (optics.film_distance(0.0, 1.0) + optics.plane)
+        };
+        match self {
+            Self::Round(table) => {
+                stations.iter().zip(&table.stations).map(bright).fold(f64::INFINITY, f64::min)
+            }
+            Self::Quarter(table) => table.reach,
+        }
+    }
+
+    /// Returns the function `pupil`.
+    fn text(&self, stations: &[Optics]) -> String {
+        match self {
+            Self::Round(table) => pupil::text(stations, table),
+            Self::Quarter(table) => table.text(),
+        }
+    }
+
+    /// Returns the text that calls the function `pupil`.
+    fn sampling(&self, stations: &[Optics], numbers: &mut Numbers) -> String {
+        match self {
+            Self::Round(table) => pupil::sampling(stations, table, numbers),
+            Self::Quarter(table) => table.sampling(),
+        }
     }
 }
 
@@ -248,7 +310,7 @@ fn film_distance(all: &[Optics], numbers: &mut Numbers) -> String {
 fn entry_function(
     request: &ShaderRequest<'_>,
     all: &[Optics],
-    table: &PupilTable,
+    pupils: &Pupils,
     traced: &TracedLens<'_>,
 ) -> String {
     let colour = if request.spectral {
@@ -277,6 +339,10 @@ fn entry_function(
     let farthest = of(|optics| 1.0 / optics.nearest);
     let plane = of(|optics| optics.plane);
     let focal_length = of(Optics::front_focal_length);
+    let squeeze = match traced.lens.is_round() {
+        true => String::new(),
+        false => of(Optics::squeeze) + "*",
+    };
     let magnified = of(|optics| optics.nearest * optics.rear_focal_length());
     let steps = (FOCI - 1) as f64;
     // Position in the table for a focus.
@@ -291,7 +357,6 @@ fn entry_function(
         let per = numbers.text(all.iter().map(|optics| per(optics).0));
         format!("{first} - far*{per}")
     };
-    let field = numbers.text(table.stations.iter().map(|span| 1.0 / span.widest_field));
     let film = film_distance(all, &mut numbers);
     let per_width: Vec<&[f64]> = all.iter().map(|optics| optics.stop_per_width.0.as_slice()).collect();
     let per_width = numbers.polynomial(&per_width, "wide2");
@@ -303,7 +368,7 @@ fn entry_function(
         true => ["  float left = 1;\n", ", left", "  weight *= left;\n"],
         false => [""; 3],
     };
-    let opening = pupil::opening(all, table, &mut numbers);
+    let sampling = pupils.sampling(all, &mut numbers);
     let rear = trace::behind_front(traced, traced.lens.surfaces.len() - 1);
     format!(
         "shader realistic_camera(\n    \
@@ -356,36 +421,28 @@ fn entry_function(
            /* The film point: the image on film is upside down. */\n  \
            float fx = (0.5 - raster[0])*sensor[0];\n  \
            float fy = (0.5 - raster[1])*sensor[1];\n  \
-           float r = sqrt(fx*fx + fy*fy);\n  \
-           float ex = r > 0 ? fx/r : 1;\n  \
-           float ey = r > 0 ? fy/r : 0;\n  \
            float far = 1/(back + {plane});\n  \
            float b = clamp({table_position}, 0.0, {});\n  \
-           float px = 0, py = 0, patch = 0;\n  \
-           if (!pupil(r*far*{field}, b,{} stop, lens_sample[0], lens_sample[1], px, py, patch))\n    return;\n\n{}  \
-           /* Slopes, and the ray on the plane of the last vertex. */\n  \
-           float along = (px - r)*far;\n  \
-           float across = py*far;\n  \
-           float x = fx + back*(ex*along - ey*across);\n  \
-           float y = fy + back*(ey*along + ex*across);\n  \
+           float px = 0, py = 0, patch = 0;\n{}\n  \
+           /* The ray on the plane of the last vertex. */\n  \
+           float x = fx + back*sx;\n  \
+           float y = fy + back*sy;\n  \
            float z = 0;\n  \
-           float vz = 1/sqrt(1 + along*along + across*across);\n  \
-           float vx = (ex*along - ey*across)*vz;\n  \
-           float vy = (ey*along + ex*across)*vz;\n  \
+           float vz = 1/sqrt(1 + sx*sx + sy*sy);\n  \
+           float vx = sx*vz;\n  \
+           float vy = sy*vz;\n  \
            /* Irradiance of the sample over that of the film's centre. */\n  \
-           opening *= far*far;\n  \
-           float weight = patch*far*far*vz*vz*vz*vz*(1 + opening)/opening;\n{colour}{declared}  \
+           float weight = patch*far*far*vz*vz*vz*vz/centre;\n{colour}{declared}  \
            if (!trace(stop, nm, x, y, z, vx, vy, vz{given}{left}))\n    return;\n{lost}  \
            position = point(x, y, z - origin)/mm_per_unit;\n  \
            direction = vector(vx, vy, vz);\n  \
            throughput = {throughput};\n  \
            /* From pixel to pixel, by first-order optics: what textures are filtered by. */\n  \
            float scale = 1/({focal_length}*(1 + focus*{magnified}));\n  \
-           dDdx = vector(scale*sensor[0]*Dx(raster[0]), 0, 0);\n  \
+           dDdx = vector({squeeze}scale*sensor[0]*Dx(raster[0]), 0, 0);\n  \
            dDdy = vector(0, scale*sensor[1]*Dy(raster[1]), 0);\n}}\n",
         numbers.declarations(&zooms),
         number(steps),
-        if is_zoom { " zoomed," } else { "" },
-        opening,
+        sampling,
     )
 }

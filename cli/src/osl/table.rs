@@ -229,7 +229,7 @@ fn traced(fields: &[Focused], station: usize, widest_field: f64, ends_dark: bool
 }
 
 /// Returns the lens with its own geometry and the indices of the same lens at another wavelength.
-fn with_indices(lens: &Lens, other: &Lens) -> Lens {
+pub fn with_indices(lens: &Lens, other: &Lens) -> Lens {
     let mut lens = lens.clone();
     for (surface, other) in lens.surfaces.iter_mut().zip(&other.surfaces) {
         (surface.n_scene, surface.n_film) = (other.n_scene, other.n_film);

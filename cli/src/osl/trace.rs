@@ -127,7 +127,7 @@ pub fn text(traced: &TracedLens<'_>) -> String {
     if let Some(indices) = &traced.indices {
         text += indices;
     }
-    text += "  float r2 = x*x + y*y;\n  float f = 0, g = 0, e = 0, q = 0, t = 0, k = 0;\n  z = 0;\n";
+    text += "  float r2 = x*x + y*y;\n  float f = 0, g = 0, e = 0, q = 0, t = 0, k = 0, h = 0, j = 0;\n  z = 0;\n";
     if lens.surfaces.iter().any(|surface| !surface.apertures.is_empty()) {
         text += "  /* A point in a shaped aperture, and what decides whether it lies inside. */\n  \
                  float u = 0, v = 0, m = 0;\n";
@@ -168,7 +168,7 @@ pub fn text(traced: &TracedLens<'_>) -> String {
             true => format!("stop*{}", number(surface.semi_diameter)),
             false => number(surface.semi_diameter),
         };
-        let is_plane = surface.curvature == 0.0 && surface.figure.is_none();
+        let is_plane = surface.curvature == 0.0 && surface.figure.is_none() && surface.unsymmetric.is_none();
         // Between media of equal index there is no refraction, but another glass may begin.
         let ahead = i.checked_sub(1).and_then(|row| absorption[row].as_ref());
         let changes = absorption[i].as_ref() != ahead;
@@ -208,7 +208,7 @@ pub fn text(traced: &TracedLens<'_>) -> String {
             let line = |light: &Light<'_>| absorbed.clone() + &light.line(i, surface, &meeting);
             traced.light.as_ref().map_or_else(String::new, line)
         };
-        if surface.figure.is_some() {
+        if surface.figure.is_some() || surface.unsymmetric.is_some() {
             figure::surface(&mut text, surface, &limit, &step, &light(figure::MEETING));
         } else if is_plane {
             plane(&mut text, &limit, &step, &light((["vz", "f"], ["0", "0", "1"])));

@@ -159,11 +159,7 @@ fn st_maps_of_an_anamorphic_lens_lead_there_and_back() {
 fn what_needs_a_round_lens_is_refused_by_name() {
     for name in LENSES {
         for (arguments, words) in [
-            (
-                &["blender", name, "-o", "-"][..],
-                "a shader for Blender needs a lens whose surfaces are symmetric",
-            ),
-            (&["convert", name, "-", "--as", "zmx"], "are written as the project's own table"),
+            (&["convert", name, "-", "--as", "zmx"][..], "are written as the project's own table"),
             (
                 &["draw", name, "--ghost", "1,2", "-o", "-"],
                 "--ghost needs a lens whose surfaces are symmetric",

@@ -16,7 +16,7 @@ const IN_GLASS: &str =
 const IN_AIR: &str = "50 6 1.5 60 22\n-50 4 - - 22\nstop 45 - - 8\n";
 
 /// Writes a lens to a file of a new folder. Returns the folder, the file and the lens.
-fn written(text: &str) -> (tempfile::TempDir, String, Prescription) {
+pub fn written(text: &str) -> (tempfile::TempDir, String, Prescription) {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("own.dat");
     std::fs::write(&file, text).expect("written");

@@ -4,6 +4,7 @@
 mod apertures;
 mod media;
 mod picture;
+mod unsymmetric;
 
 use realistic_camera::sampling::PupilDisk;
 use realistic_camera::{FocusBy, Host, Parameters, Raster, Zoom, group_reach, open_lens};
@@ -501,12 +502,18 @@ fn film_is_as_bright_as_all_rays_make_it_and_in_focus() {
 /// Checks that the film of a shader is as bright as all rays of its lens make it, and that the film is in focus for
 /// these rays. Each case has an aperture size, a distance in m, and the film point as a share of the reach.
 fn is_bright_and_in_focus(name: &str, own: &Lens, shader: &Shader, cases: &[(f32, f32, f64)]) {
+    is_bright(name, own, shader, [1.0, 0.0], cases);
+}
+
+/// Checks the same for film points in a direction from the axis.
+fn is_bright(name: &str, own: &Lens, shader: &Shader, direction: [f64; 2], cases: &[(f32, f32, f64)]) {
     for &(aperture, distance, share) in cases {
         let mut lens = own.clone();
         let radius = share * shader.reach.min(21.0);
-        let at: Vec<Sample> = points::<2>(40_000)
-            .map(|[u, v]| [0.5 - (radius / 50.0) as f32, 0.5, u, v, aperture, distance, 50.0, 50.0, 0.5])
-            .collect();
+        let point = direction.map(|part| part * radius);
+        let [x, y] = point.map(|part| 0.5 - (part / 50.0) as f32);
+        let at: Vec<Sample> =
+            points::<2>(40_000).map(|[u, v]| [x, y, u, v, aperture, distance, 50.0, 50.0, 0.5]).collect();
         let answers = shader.answers(&at);
         let mean =
             answers.iter().map(|answer| f64::from(answer.throughput[0])).sum::<f64>() / answers.len() as f64;
@@ -527,40 +534,45 @@ fn is_bright_and_in_focus(name: &str, own: &Lens, shader: &Shader, cases: &[(f32
 
         let path: Path = Path::film_to_scene(&lens);
         let film = lens.rear().vertex - back;
-        let irradiance = |radius: f64, cover: SlopeDisk| {
-            irradiance::survey(&path, film, [radius, 0.0], cover, cover, 300).irradiance
+        let irradiance = |point: [f64; 2], cover: SlopeDisk| {
+            irradiance::survey(&path, film, point, cover, cover, 300).irradiance
         };
         // The disk of the rear element would be too wide for a grid of rays.
         let exit = PupilDisk::exit(&lens, film).seen_from([0.0, 0.0]);
         let center = SlopeDisk { radius: 2.5 * exit.radius, ..exit };
-        let expected = irradiance(radius, twice_around(&answers)) / irradiance(0.0, center);
+        let expected = irradiance(point, twice_around(&answers)) / irradiance([0.0; 2], center);
         assert!(
             (mean / expected - 1.0).abs() < 0.01,
-            "{name} at {radius} mm, f {aperture}: {mean} {expected}"
+            "{name} at {point:?} mm, f {aperture}: {mean} {expected}"
         );
     }
 }
 
 #[test]
 fn a_shader_traces_each_wavelength_and_all_sum_to_white() {
-    let name = "dgauss.50mm";
-    let shader = Shader::new(name, &["--dispersion"]);
-    for number in [0.1, 0.5, 0.9_f32] {
-        let nm = 420.0 + 260.0 * f64::from(number);
-        let lens = Lens::new(&catalogue::find(name).expect("listed"), nm);
-        let mut at = samples(shader.reach, 4000, [0.0, 3.0]);
-        at.iter_mut().for_each(|sample| sample[8] = number);
-        let found = Comparison::of(&lens, &shader.answers(&at));
-        let [_, most] = Comparison::median_and_most(&found.directions);
-        assert!(most < 3e-5 && found.fates_differ <= 4, "{nm} nm: {most}, {} differ", found.fates_differ);
+    for name in ["dgauss.50mm", "anamorphic.42mm"] {
+        let shader = Shader::new(name, &["--dispersion"]);
+        for number in [0.1, 0.5, 0.9_f32] {
+            let nm = 420.0 + 260.0 * f64::from(number);
+            let lens = Lens::new(&catalogue::find(name).expect("listed"), nm);
+            let mut at = samples(shader.reach, 4000, [0.0, 3.0]);
+            at.iter_mut().for_each(|sample| sample[8] = number);
+            let found = Comparison::of(&lens, &shader.answers(&at));
+            let [_, most] = Comparison::median_and_most(&found.directions);
+            assert!(
+                most < 3e-5 && found.fates_differ <= 4,
+                "{name} {nm} nm: {most}, {} differ",
+                found.fates_differ
+            );
+        }
+        let mut sums = [0.0; 3];
+        let at: Vec<Sample> =
+            points::<3>(20_000).map(|[w, u, v]| [0.5, 0.5, u, v, 0.1, 0.0, 36.0, 24.0, w]).collect();
+        for answer in shader.answers(&at) {
+            (0..3).for_each(|i| sums[i] += f64::from(answer.throughput[i]) / at.len() as f64);
+        }
+        assert!(sums.iter().all(|sum| (sum - 1.0).abs() < 0.01), "{name} {sums:?}");
     }
-    let mut sums = [0.0; 3];
-    let at: Vec<Sample> =
-        points::<3>(20_000).map(|[w, u, v]| [0.5, 0.5, u, v, 0.1, 0.0, 36.0, 24.0, w]).collect();
-    for answer in shader.answers(&at) {
-        (0..3).for_each(|i| sums[i] += f64::from(answer.throughput[i]) / at.len() as f64);
-    }
-    assert!(sums.iter().all(|sum| (sum - 1.0).abs() < 0.01), "{sums:?}");
 }
 
 #[test]
@@ -607,7 +619,7 @@ fn worst_loss(name: &str, lens: &Lens, arguments: &[&str], surfaces: &Surfaces, 
                 compared += 1;
             }
         }
-        assert!(compared > 3500, "{name}: {compared}");
+        assert!(compared > 3300, "{name}: {compared}");
     }
     most
 }
