@@ -49,7 +49,7 @@ STEPS = 80
 
 @dataclass
 class Found:
-    """What a program says of an image point; None for what it does not say. The MTF is (2, frequencies): tangential
+    """Figures of a program for an image point; None where it has no such figure. The MTF is (2, frequencies): tangential
     and sagittal."""
 
     peak_to_valley: float | None = None

@@ -462,8 +462,8 @@ impl QuarterTable {
     }
 }
 
-/// Returns all nodes, from the pupils that were traced there. A dark node has the region of the nearest lit node of the
-/// same focus and stop. `None` if there is none.
+/// Returns all nodes, from the pupils that were traced there. A dark node has the region of the nearest lit node with the
+/// same focus and stop. `None` if all nodes of a focus and stop are dark.
 fn nodes(all: &[Traced]) -> Option<Vec<Node>> {
     let mut own: Vec<Option<Node>> = vec![None; NODES.iter().product()];
     for Traced { position, outline } in all {

@@ -183,7 +183,7 @@ impl OslCamera {
     }
 }
 
-/// Refuses lenses of which the shader has no trace or no pupil.
+/// Checks that the shader can trace the lens and sample its pupil; the error names what it cannot do.
 fn takes(request: &ShaderRequest<'_>) -> Result<(), Failure> {
     let lens = &request.stations[request.start].lens;
     let is_posed =

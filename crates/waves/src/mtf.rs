@@ -5,13 +5,13 @@ use std::f64::consts::{PI, TAU};
 
 use crate::{psf::Psf, wavefront::Wavefront};
 
-/// The optical transfer function at several frequencies in one direction: complex numbers, of which the MTF is the
-/// absolute value. Those of several wavelengths are added before that.
+/// The optical transfer function at several frequencies in one direction. Its values are complex numbers, and the MTF is
+/// their absolute value. The functions of several wavelengths are added as complex numbers.
 #[derive(Clone, Debug)]
 pub struct Mtf {
     /// With diffraction.
     pub with_diffraction: Vec<[f64; 2]>,
-    /// Of rays alone.
+    /// By rays alone.
     pub geometric: Vec<[f64; 2]>,
 }
 

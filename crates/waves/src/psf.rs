@@ -14,7 +14,7 @@ pub struct Psf {
     pub size: usize,
     /// Side of a pixel, mm.
     pub pitch: f64,
-    /// Power per area, 1/mm², of a point of which the power 1 reaches the film, in rows of growing y of the film.
+    /// Power per area, 1/mm², if a power of 1 reaches the film; in rows, with y on the film growing.
     pub values: Vec<f64>,
     /// The largest power per area that this pupil gives without path differences, 1/mm².
     pub perfect_peak: f64,

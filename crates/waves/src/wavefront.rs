@@ -47,7 +47,7 @@ impl FilmPlane {
     }
 }
 
-/// How finely a wavefront is sampled.
+/// The number of rays by which a wavefront is sampled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sampling {
     /// Number of rows of rays, and of rays in each row, 8 or more.
@@ -104,7 +104,7 @@ pub struct Wavefront {
     pub wavelength: f64,
     /// The image point, where the chief ray meets the film, image space, mm.
     pub image: [f64; 3],
-    /// How finely the pupil was sampled.
+    /// The number of rays traced.
     pub sampling: Sampling,
 }
 

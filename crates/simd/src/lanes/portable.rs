@@ -25,8 +25,8 @@ impl<S: Scalar, const N: usize, const SMALL: bool> Portable<S, N, SMALL> {
 /// Does the same work for each lane. The macro expands to a loop rather than to calls of a closure: a closure that is
 /// not inlined would be compiled without the instructions that its enclosing function may use.
 ///
-/// With one lane there is no loop: a lens would give thousands of loops of one iteration, of which the compiler takes
-/// minutes to get rid.
+/// With one lane there is no loop: a lens would give thousands of loops of one iteration, and the compiler takes minutes to
+/// remove them.
 macro_rules! each_lane {
     ($i:ident => $work:expr) => {
         if N == 1 {

@@ -1,5 +1,5 @@
 //! The optical path as data that rays carry, and the kernel that returns it with the rays. Single precision cannot resolve
-//! the phase of light (100 mm are known to a ninetieth of a wavelength), so that there is only one in double precision.
+//! the phase of light (it rounds 100 mm to about 4 nm), so the kernel is in double precision only.
 
 use super::{
     carried::Carried,

@@ -152,7 +152,7 @@ fn refused(part: Part<'_>, number: &str, what: impl AsRef<str>) -> LensFileError
     part.error(format!("surface {} {}", cut(number), what.as_ref()))
 }
 
-/// Returns the terms of a toroid's profile, of which the file states those of y², y⁴, ….
+/// Returns the terms of a toroid's profile. The file lists the coefficients of y², y⁴, ….
 ///
 /// # Errors
 /// There are more terms than are traced.
