@@ -326,9 +326,11 @@ impl Scan {
             value += term * middle.powi(power);
             slope += i / 2.0 * term * middle.powi(power - 2);
             steepest += i * term.abs() * high.powi(power - 1);
-            // The derivative of r with respect to u is steepest at the inner edge; that of r² is constant.
-            let worst = if power == 1 { low } else { high };
-            bend += i * (i - 2.0).abs() / 2.0 * term.abs() * worst.powi(power - 3);
+            // The derivative of r² with respect to u is constant; that of r is steepest at the inner edge.
+            if power != 2 {
+                let worst = if power == 1 { low } else { high };
+                bend += i * (i - 2.0).abs() / 2.0 * term.abs() * worst.powi(power - 3);
+            }
             edge_slope += i / 2.0 * term * self.edge_radius.powi(power - 2);
             edge_size += i / 2.0 * term.abs() * self.edge_radius.powi(power - 2);
         }
