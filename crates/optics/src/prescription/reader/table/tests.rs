@@ -305,7 +305,7 @@ fn a_malformed_figure_is_refused_with_its_location() {
     refused(&with("asphere 1"), "3:1", &["no constants"]);
     refused(&with("asphere 3 A4=1"), "3:9", &["\"3\" is not a row", "rows 1 to 2"]);
     refused(&with("asphere one A4=1"), "3:9", &["\"one\" is not a row"]);
-    refused(&with("asphere 1 A1=1"), "3:11", &["\"A1=1\" is not a constant such as A4=1e-5"]);
+    refused(&with("asphere 1 A0=1"), "3:11", &["\"A0=1\" is not a constant such as A4=1e-5"]);
     refused(&with("asphere 1 A31=1"), "3:11", &["not a constant"]);
     refused(&with("asphere 1 1e-5"), "3:11", &["not a constant"]);
     refused(&with("asphere 1 A4=x"), "3:14", &["\"x\" is not a number"]);

@@ -255,7 +255,7 @@ fn a_malformed_file_is_refused_with_the_location() {
     refused(&with("CURV 0.05", "CURV O.05"), "23:8", &["\"O.05\" is not a number", "value 1 of CURV"]);
     refused(&with("CURV 0.05 0 0", "CURV"), "23:3", &["CURV lacks its value 1"]);
     refused(&with("PARM 2 1e-5", "PARM x 1e-5"), "32:3", &["PARM without its number"]);
-    refused(&with("PARM 2 1e-5", "PARM 16 1e-5"), "32:3", &["a term of r^32", "r^2 to r^30"]);
+    refused(&with("PARM 2 1e-5", "PARM 16 1e-5"), "32:3", &["a term of r^32", "r^1 to r^30"]);
     refused(&with("DISZ 2\n  DIAM 7", "DISZ INFINITY\n  DIAM 7"), "43:3", &["without end"]);
     refused(&with("DISZ 2\n  DIAM 7", "DISZ -2\n  DIAM 7"), "40:1", &["thickness -2 mm"]);
     refused(&with("GLAS N-BK7 0 0 1.5 40 0 0", "GLAS"), "26:3", &["without a name"]);
