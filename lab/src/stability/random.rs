@@ -127,8 +127,7 @@ fn signed(random: &mut Random, from: f64, to: f64) -> f64 {
     if random.random_bool(0.5) { size } else { -size }
 }
 
-/// Returns a random cylinder, toroid or biconic. Its formula holds beyond the clear aperture, too, and stays near it there,
-/// because rays count as behind a surface where they start behind its continuation.
+/// Returns a random cylinder, toroid or biconic that does not end within its clear aperture.
 fn random_unsymmetric(random: &mut Random, semi_diameter: f64) -> Unsymmetric {
     let radius = |random: &mut Random| semi_diameter * signed(random, 1.2, 1e4);
     let conic =
@@ -159,9 +158,7 @@ fn random_unsymmetric(random: &mut Random, semi_diameter: f64) -> Unsymmetric {
             }
         };
         let figure = UnsymmetricFigure::new(&surface, semi_diameter);
-        let is_near = figure.reach > semi_diameter
-            && figure.beyond.sagitta.iter().all(|height| height.abs() < semi_diameter);
-        if !surface.is_plane() && (is_near || surface.cylinder().is_some() && figure.inside.is_finite()) {
+        if !surface.is_plane() && figure.inside.is_finite() {
             return surface;
         }
     }
