@@ -213,3 +213,46 @@ fn a_pair_of_cylinders_squeezes_one_meridian() {
     let foci = [x.back_focal_distance(), y.back_focal_distance()];
     assert!(film > foci[0].min(foci[1]) - 1.0 && film < foci[0].max(foci[1]), "{film} {foci:?}");
 }
+
+#[test]
+fn close_rays_at_a_toroid_meet_where_coddington_says() {
+    // For parallel light n' cos²I'/t' and n'/s' are (n' cos I' - cos I)/R, with the radius of the plane of incidence, and
+    // that across it (Kingslake and Johnson, *Lens Design Fundamentals*, 2nd ed., §11.1).
+    let (n, profile, rotation) = (1.65_f64, 30.0_f64, 50.0_f64);
+    let surface = lens(&format!("{profile} 0 {n} 40\ntoroid 1 rotation={rotation}\n"));
+    for (height, angle) in [(0.0_f64, 0.3_f64), (6.0, 0.0), (8.0, 0.2), (-9.0, 0.25)] {
+        let direction = [0.0, angle.sin(), -angle.cos()];
+        let sagitta = profile - (profile * profile - height * height).sqrt();
+        let trace = |[x, y]: [f64; 2]| {
+            let hit = [x, height + y, -sagitta];
+            let walk = to_film(&surface, std::array::from_fn(|i| hit[i] - 40.0 * direction[i]), direction);
+            assert_eq!(walk.blocked, None);
+            walk.ray
+        };
+        let chief = trace([0.0; 2]);
+        let dot = |a: [f64; 3], b: [f64; 3]| (0..3).map(|i| a[i] * b[i]).sum::<f64>();
+        // The distance along the chief ray at which rays on both sides come closest, in the mean.
+        let focus = |beside: [f64; 2]| {
+            let of = |sign: f64| {
+                let other = trace(beside.map(|part| sign * part));
+                let between = std::array::from_fn(|i| chief.origin[i] - other.origin[i]);
+                let cosine = dot(chief.direction, other.direction);
+                (cosine * dot(other.direction, between) - dot(chief.direction, between))
+                    / (1.0 - cosine * cosine)
+            };
+            f64::midpoint(of(1.0), of(-1.0))
+        };
+        // The normal points to the centre of the profile, and meets the axis of rotation behind it.
+        let sine = height / profile;
+        let tilt = (1.0 - sine * sine).sqrt();
+        let radius_across = (rotation - sagitta) / tilt;
+        let cosine = -direction[1] * sine - direction[2] * tilt;
+        let behind = (1.0 - (1.0 - cosine * cosine) / (n * n)).sqrt();
+        let power = n * behind - cosine;
+        let expected = [n * behind * behind * profile / power, n * radius_across / power];
+        let found = [focus([0.0, 0.01]), focus([0.01, 0.0])];
+        for (found, expected) in found.into_iter().zip(expected) {
+            assert!((found / expected - 1.0).abs() < 2e-5, "{height} {angle}: {found} {expected}");
+        }
+    }
+}
