@@ -48,14 +48,19 @@ impl Facts {
             shape(lens),
             media(lens),
         ];
-        facts.extend(in_both_meridians(lens, |lens| {
-            let optics = FirstOrder::of(lens).ok();
-            let pupils = pupils(lens, optics, &AxialBeam::of(lens));
-            first_order(optics, *stated).into_iter().chain(pupils).collect()
+        // The section of the turned lens in y is that of the lens in x.
+        let turned = (!lens.is_centred()).then(|| lens.turned());
+        let in_y = Section::of(lens);
+        let in_x = turned.as_ref().map(Section::of);
+        let in_both = |facts_of: &dyn Fn(&Section<'_>) -> Vec<Fact>| {
+            in_both_meridians(facts_of(&in_y), in_x.as_ref().map(facts_of))
+        };
+        facts.extend(in_both(&|Section { lens, optics, beam }| {
+            first_order(*optics, *stated).into_iter().chain(pupils(lens, *optics, beam)).collect()
         }));
-        facts.extend(transmission(prescription, lens, FirstOrder::of(lens).ok()));
-        facts.extend(in_both_meridians(lens, |lens| {
-            film(lens, FirstOrder::of(lens).ok(), film_distance, diagonal).into()
+        facts.extend(transmission(prescription, lens, in_y.optics, &in_y.beam));
+        facts.extend(in_both(&|Section { lens, optics, .. }| {
+            film(lens, *optics, film_distance, diagonal).into()
         }));
         Self(facts)
     }
@@ -154,14 +159,22 @@ fn first_order(optics: Option<FirstOrder>, stated: Option<f64>) -> [Fact; 5] {
     ]
 }
 
-/// Returns facts of the meridian y, each with that of x behind it where a lens that is not round has another one.
-fn in_both_meridians(lens: &Lens, facts_of: impl Fn(&Lens) -> Vec<Fact>) -> Vec<Fact> {
-    let in_y = facts_of(lens);
-    if lens.is_centred() {
-        return in_y;
+/// A lens in the meridian y, with its first-order optics, unless it is afocal, and its axial beam.
+struct Section<'a> {
+    lens: &'a Lens,
+    optics: Option<FirstOrder>,
+    beam: AxialBeam,
+}
+
+impl<'a> Section<'a> {
+    fn of(lens: &'a Lens) -> Self {
+        Self { lens, optics: FirstOrder::of(lens).ok(), beam: AxialBeam::of(lens) }
     }
-    // The section of the turned lens in y is that of the lens in x.
-    let in_x = facts_of(&lens.turned());
+}
+
+/// Returns facts of the meridian y, each with that of x behind it where the lens has another one there.
+fn in_both_meridians(in_y: Vec<Fact>, in_x: Option<Vec<Fact>>) -> Vec<Fact> {
+    let Some(in_x) = in_x else { return in_y };
     let pairs = in_y.into_iter().zip(in_x);
     let with_x = pairs.map(|(y, x)| {
         let text = x.text.filter(|text| y.text.as_ref() != Some(text));
@@ -245,8 +258,12 @@ fn pupils(lens: &Lens, optics: Option<FirstOrder>, beam: &AxialBeam) -> [Fact; 4
 }
 
 /// Returns the T-numbers for the named coatings, and for the coatings of the lens file if it names any.
-fn transmission(prescription: &Prescription, lens: &Lens, optics: Option<FirstOrder>) -> Option<Fact> {
-    let beam = AxialBeam::of(lens);
+fn transmission(
+    prescription: &Prescription,
+    lens: &Lens,
+    optics: Option<FirstOrder>,
+    beam: &AxialBeam,
+) -> Option<Fact> {
     let focal_length = optics?.focal_length;
     let of_all = |coating: Coating| Surfaces::new(lens, coating);
     let mut stops = vec![
@@ -258,7 +275,7 @@ fn transmission(prescription: &Prescription, lens: &Lens, optics: Option<FirstOr
     }
     let (mut texts, mut json) = (Vec::new(), Map::new());
     for (words, key, surfaces) in stops {
-        let stop = TStop::of(lens, &surfaces, &beam, focal_length)?;
+        let stop = TStop::of(lens, &surfaces, beam, focal_length)?;
         let left = fixed(100.0 * stop.transmission, 1);
         texts.push(format!("{} {words} (transmits {left} %)", fixed(stop.number, 4)));
         json.insert(format!("tnumber_{key}"), json!(stop.number.is_finite().then_some(stop.number)));
