@@ -69,7 +69,8 @@ fn radial(n: i32, m: i32, r: f64) -> f64 {
 }
 
 /// Returns the coefficients of the first `count` polynomials that fit samples best. A sample is a point, a value and a
-/// weight. The normal equations are solved by Cholesky's method; polynomials that the samples cannot distinguish from earlier ones get 0.
+/// weight. The normal equations are solved by Cholesky's method; polynomials that the samples cannot distinguish from
+/// earlier ones get 0.
 pub fn fitted(
     ordering: Ordering,
     count: usize,

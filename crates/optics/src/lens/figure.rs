@@ -11,7 +11,8 @@
 //! the conic's curvatures are monotonic. The bounds include a margin for rounding errors, relative to the sum of the
 //! terms' magnitudes.
 //!
-//! The term of r, a cone, has no curvature at the vertex: bounds on curvatures leave it out, and `cone` is its slope.
+//! The term of r, a cone, has no curvature at the vertex, and bounds on curvatures leave it out. Tracing has a bound of its
+//! own for it.
 
 use crate::prescription::{Asphere, FIRST_POWER};
 
