@@ -8,7 +8,7 @@ use crate::arguments::{LensChoice, distance, whole};
 use crate::failure::Failure;
 use realistic_base::message::{as_given, fixed};
 use realistic_light::Surfaces;
-use realistic_optics::{imaging::focus::Focus, lens::Lens, prescription::SurfaceCoating};
+use realistic_optics::{imaging::focus::Focus, lens::Lens};
 use realistic_waves::{
     FilmPlane, ObjectPoint, Sampling, WaveError, Wavefront, seidel, wavefront::object_of, zernike::Ordering,
 };
@@ -65,8 +65,8 @@ const MOST_WAVELENGTHS: usize = 64;
 struct ImagePoint {
     /// The lens at each wavelength, and the weights.
     lenses: Vec<(Lens, f64)>,
-    /// Coatings of the surfaces, from the scene on; `None` if transmission is ignored.
-    coatings: Option<Vec<SurfaceCoating>>,
+    /// The optical properties of each lens's surfaces; `None` if transmission is ignored.
+    surfaces: Option<Vec<Surfaces>>,
     name: String,
     film_distance: f64,
     object_distance: f64,
@@ -113,9 +113,12 @@ impl ImagePoint {
                 lines.iter().map(at).collect::<Result<_, Failure>>()?
             }
         };
+        let surfaces = opened
+            .coatings()?
+            .map(|coatings| lenses.iter().map(|(lens, _)| Surfaces::of_each(lens, &coatings)).collect());
         Ok(Self {
             lenses,
-            coatings: opened.coatings()?,
+            surfaces,
             name: lens.name.clone(),
             film_distance,
             object_distance,
@@ -129,14 +132,14 @@ impl ImagePoint {
     /// `defocus` mm away from the lens.
     fn wavefronts(&self, sampling: Sampling, defocus: f64) -> Result<Vec<(f64, Wavefront)>, WaveError> {
         let mut image = None;
-        let at = |(lens, weight): &(Lens, f64)| {
+        let at = |(i, (lens, weight)): (usize, &(Lens, f64))| {
             let plane = FilmPlane::across(lens.rear().vertex - self.film_distance - defocus);
-            let surfaces = self.coatings.as_ref().map(|coatings| Surfaces::of_each(lens, coatings));
-            let wavefront = Wavefront::about(lens, surfaces.as_ref(), self.object, &plane, sampling, image)?;
+            let surfaces = self.surfaces.as_ref().map(|all| &all[i]);
+            let wavefront = Wavefront::about(lens, surfaces, self.object, &plane, sampling, image)?;
             image = Some(wavefront.image);
             Ok((*weight, wavefront))
         };
-        self.lenses.iter().map(at).collect()
+        self.lenses.iter().enumerate().map(at).collect()
     }
 
     /// Returns the facts of a wavefront as JSON.
