@@ -14,7 +14,6 @@ use realistic_optics::imaging::axial_beam::{AxialBeam, semi_diameter_for_beam};
 use realistic_optics::imaging::focus::{AxialImage, Focus, FocusError};
 use realistic_optics::lens::pupil::{EntrancePupil, ExitPupil};
 use realistic_optics::lens::{Lens, first_order::FirstOrder};
-use realistic_optics::prescription::Meridian;
 
 /// Magnification at the nearest focus, unless the lens states a nearer one.
 const NEAREST_MAGNIFICATION: f64 = 0.15;
@@ -126,10 +125,9 @@ impl Optics {
         self.focal_length * self.lens.rear().n_film
     }
 
-    /// Returns the ratio of the focal length, which is that in the meridian y, to that in the meridian x.
+    /// Returns the squeeze ratio; 1 for a lens that is afocal in the meridian x.
     pub fn squeeze(&self) -> f64 {
-        let across = FirstOrder::in_meridian(&self.lens, Meridian::X);
-        across.map_or(1.0, |across| self.focal_length / across.focal_length)
+        FirstOrder::squeeze(&self.lens).unwrap_or(1.0)
     }
 
     /// Returns the vergence at the front vertex, 1/mm, of the object for a focus.

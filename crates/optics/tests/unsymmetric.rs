@@ -208,6 +208,8 @@ fn a_pair_of_cylinders_squeezes_one_meridian() {
     };
     assert!((x.focal_length.recip() - power(a, c)).abs() < 1e-15, "{x:?}");
     assert!((y.focal_length.recip() - power(1.0, 0.0)).abs() < 1e-15, "{y:?}");
+    let squeeze = FirstOrder::squeeze(&lens).expect("not afocal");
+    assert!((squeeze * power(1.0, 0.0) / power(a, c) - 1.0).abs() < 1e-12, "{squeeze}");
     // The film lies between the foci of the two meridians.
     let film = Focus::new(&lens).expect("focuses").film_distance(f64::INFINITY).expect("a film");
     let foci = [x.back_focal_distance(), y.back_focal_distance()];

@@ -21,7 +21,7 @@ use realistic_camera::{
     CameraError, Exposure, Model, Parameters, Raster, Weighting, autofocus::Rule, film_distance, open_lens,
 };
 use realistic_lab::render::{Rays, Tally};
-use realistic_optics::{lens::first_order::FirstOrder, prescription::Meridian};
+use realistic_optics::lens::first_order::FirstOrder;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -470,12 +470,8 @@ fn examine_lens(parameters: &mut Parameters) -> Result<Option<LensFacts>, Failur
     }
     let examined = open_lens(&own, &host, &mut |_, _| ()).and_then(|(prescription, lens)| {
         film_distance(&own, &lens)?;
-        let focal_length = |meridian| {
-            FirstOrder::in_meridian(&lens, meridian).map_or(f64::NAN, |optics| optics.focal_length)
-        };
         // Only exact rays are squeezed: the other models have the figures in y.
-        let squeeze =
-            if model == Model::Lens { focal_length(Meridian::Y) / focal_length(Meridian::X) } else { 1.0 };
+        let squeeze = if model == Model::Lens { FirstOrder::squeeze(&lens).unwrap_or(f64::NAN) } else { 1.0 };
         Ok(LensFacts { is_dispersive: prescription.is_dispersive(), squeeze })
     });
     match examined {

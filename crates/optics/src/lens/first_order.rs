@@ -139,6 +139,16 @@ impl FirstOrder {
         Self::in_meridian(lens, Meridian::Y)
     }
 
+    /// Returns the ratio of the focal length in y to that in x: 1 for a lens with an axis, 2 for an anamorphic lens that
+    /// doubles the field in x.
+    ///
+    /// # Errors
+    /// The lens is afocal in a meridian.
+    pub fn squeeze(lens: &Lens) -> Result<f64, LensError> {
+        let focal_length = |meridian| Ok(Self::in_meridian(lens, meridian)?.focal_length);
+        Ok(focal_length(Meridian::Y)? / focal_length(Meridian::X)?)
+    }
+
     /// Computes the cardinal points in a meridian. The film's side is image space (see `trace::path`).
     ///
     /// # Errors
