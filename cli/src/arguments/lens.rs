@@ -7,8 +7,8 @@ use crate::console::{note, warn};
 use crate::failure::Failure;
 use clap::{ArgMatches, Command};
 use realistic_camera::{
-    Exposure, Host, Level, PARAMETERS, Parameters, Raster, blades, coatings, film_distance, film_surface,
-    group_reach, open_lens, stop_picture,
+    Exposure, FilmSurface, Host, Level, PARAMETERS, Parameters, Raster, blades, coatings, film_distance,
+    film_surface, group_reach, open_lens, stop_picture,
 };
 use realistic_optics::imaging::{focus::Conjugates, open::StopSize};
 use realistic_optics::lens::Lens;
@@ -275,6 +275,15 @@ impl LensChoice {
         self.open_with_stop_and(&["transmission"])
     }
 
+    /// Opens the lens as [`LensChoice::open_with_stop_and_transmission`] does and accepts the parameters of film that is
+    /// shifted, tilted or curved, too.
+    ///
+    /// # Errors
+    /// As for [`LensChoice::open_with_stop`].
+    pub fn open_with_stop_transmission_and_film(&self) -> Result<OpenedLens, Failure> {
+        self.open_with_stop_and(&[&["transmission"], &POSED_FILM[..]].concat())
+    }
+
     /// Opens the lens as [`LensChoice::open_with_stop`] does and accepts the parameters of the exposure, too.
     ///
     /// # Errors
@@ -307,7 +316,7 @@ impl LensChoice {
                 if !film.is_across() || film.shift() != [0.0; 2] {
                     return Err(Failure::Usage(format!(
                         "this command has flat film, centred on the axis: leave out \"{name}\", or use `realistic \
-                         render` or `realistic plan`"
+                         render`, `plan`, `psf` or `mtf`"
                     )));
                 }
             } else {
@@ -363,6 +372,14 @@ impl OpenedLens {
     /// As for [`film_distance`].
     pub fn film_distance(&self) -> Result<f64, Failure> {
         Ok(film_distance(&self.parameters, &self.lens)?)
+    }
+
+    /// Returns the surface of the film.
+    ///
+    /// # Errors
+    /// As for [`film_surface`].
+    pub fn film_surface(&self) -> Result<FilmSurface, Failure> {
+        Ok(film_surface(&self.parameters)?)
     }
 
     /// Returns the film distance, mm; `None` for a lens that makes no image, if no position was requested.

@@ -89,6 +89,64 @@ fn wavelengths_are_added_and_lenses_that_are_not_round_have_wavefronts() {
 }
 
 #[test]
+fn film_that_is_not_flat_is_the_plane_that_touches_it_at_the_point() {
+    let words = ["mtf", "planar.50mm", "--fnumber", "8", "--rays", "128", "--frequencies", "40"];
+    let of = |more: &[&str]| report(&[&words[..], more].concat());
+    let contrast = |found: &Value, part: &str| numbers(&found["tables"][0][part]["mtf"])[0];
+    let focused = number(&of(&["--object-distance", "inf"]), "film_distance");
+    let at = |film_distance: f64, more: &[&str]| {
+        let film = format!("--film-distance={film_distance}");
+        of(&[&["--object-distance", "inf", &film], more].concat())
+    };
+    // The point 8 mm up on film that is tilted by 2 degrees about x lies nearer the lens by 8 sin 2°. Its distance from the
+    // axis is 8 cos 2°.
+    let (sin, cos) = 2.0_f64.to_radians().sin_cos();
+    let tilted = at(focused, &["--film-tilt-x", "2", "--at", "0,8"]);
+    let flat = at(focused - 8.0 * sin, &["--at", &format!("0,{}", 8.0 * cos)]);
+    let image = numbers(&tilted["image_point_mm"]);
+    assert!(image[0].abs() < 1e-6 && (image[1] - 8.0).abs() < 1e-6, "{image:?}");
+    let rms = |found: &Value| number(found, "rms_waves");
+    assert!((rms(&tilted) / rms(&flat) - 1.0).abs() < 0.02, "{} {}", rms(&tilted), rms(&flat));
+    let away = (contrast(&tilted, "sagittal") - contrast(&flat, "sagittal")).abs();
+    assert!(away < 1e-3 && rms(&flat) > 0.15, "{away} {}", rms(&flat));
+    // A curved film lies behind its middle by R (1 - √(1 - r²/R²)), and shifted film has the image of another point.
+    let (radius, height) = (400.0_f64, 10.0);
+    let behind = radius - (radius * radius - height * height).sqrt();
+    let curved = at(focused, &["--film-curvature-radius", "400", "--at", "10,0"]);
+    let flat = at(focused + behind, &["--at", "10,0"]);
+    assert!((rms(&curved) / rms(&flat) - 1.0).abs() < 0.03, "{} {}", rms(&curved), rms(&flat));
+    let shifted = at(focused, &["--film-shift-y", "6", "--at", "0,4"]);
+    let centred = at(focused, &["--at", "0,10"]);
+    assert!((rms(&shifted) / rms(&centred) - 1.0).abs() < 1e-9);
+    assert!((numbers(&shifted["image_point_mm"])[1] - 4.0).abs() < 1e-6);
+    let message = fails(&["psf", "planar.50mm", "--film-curvature-radius", "9", "--at", "0,10"], "", 1);
+    assert!(message.contains("beyond the sphere"), "{message}");
+    let message = fails(&["psf", "planar.50mm", "--film-tilt-x", "60", "--at", "0,60"], "", 1);
+    assert!(message.contains("lies in the lens"), "{message}");
+}
+
+#[test]
+fn tilted_film_is_in_focus_at_another_distance_at_each_point() {
+    let distance = |at: &str| {
+        let words = ["psf", "planar.50mm", "--focus-distance", "3000", "--film-tilt-x", "1", "--rays", "64"];
+        let found = report(&[&words[..], &["--pixels", "16", "--at", at]].concat());
+        (number(&found, "object_distance_mm"), number(&found, "strehl"))
+    };
+    // On the axis the film is focused as requested; where it lies nearer the lens, on what is farther away.
+    let [(below, _), (middle, _), (above, _)] = ["0,-8", "0,0", "0,8"].map(distance);
+    assert!(
+        (middle - 3000.0).abs() < 1e-6 * 3000.0 && below < 2950.0 && above > 3050.0,
+        "{below} {middle} {above}"
+    );
+    // Newton's equation, x x' = f². The front focal point is about two focal lengths in front of the film.
+    let focal_length = number(&report(&["lens", "planar.50mm"]), "focal_length_mm");
+    let image = |object: f64| focal_length.powi(2) / (object - 2.0 * focal_length);
+    let moved = image(below) - image(above);
+    let expected = 16.0 * 1.0_f64.to_radians().sin();
+    assert!((moved / expected - 1.0).abs() < 0.05, "{moved} {expected}");
+}
+
+#[test]
 fn what_has_no_answer_is_refused_or_called_out() {
     let message = fails(&["psf", "dgauss.50mm", "--at", "400,0"], "", 1);
     assert!(message.contains("nearer the axis"), "{message}");

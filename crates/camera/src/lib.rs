@@ -57,7 +57,7 @@ mod setup;
 mod vectors;
 
 pub use crate::plan::Precision;
-pub use crate::sampling::film;
+pub use crate::sampling::{FilmSurface, film};
 pub use any_camera::Camera;
 pub use builder::CameraBuilder;
 pub use film::{Film, Raster};

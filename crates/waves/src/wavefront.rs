@@ -42,7 +42,7 @@ impl FilmPlane {
     }
 
     /// Returns the components of a vector along the axes.
-    fn within(&self, vector: [f64; 3]) -> [f64; 2] {
+    pub fn within(&self, vector: [f64; 3]) -> [f64; 2] {
         self.axes.map(|axis| dot(axis, vector))
     }
 }

@@ -182,8 +182,7 @@ def mtf(
 
 
 def parameters_of(camera: Camera) -> dict[str, Any]:
-    """Returns the parameters of a camera's lens and film, for `psf` and `mtf`, which refuse film that is not flat and
-    centred."""
+    """Returns the parameters of a camera's lens and film, for `psf` and `mtf`."""
     given = camera.parameters
     given.pop("model", None)
     if given.get("focus_by", "film") == "film":

@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 pub struct PointArgs {
     #[command(flatten)]
     lens: LensChoice,
-    /// Image point: x,y of the film in lens space, mm from its centre; the picture is upside down there
+    /// Image point: x,y on the film in lens space, mm from its centre; the picture is upside down there
     #[arg(long, value_name = "X,Y", default_value = "0,0", allow_hyphen_values = true, value_parser = pair)]
     at: [f64; 2],
     /// Distance of the object from the film, mm, or inf [default: that of the plane in focus]
@@ -71,7 +71,9 @@ struct ImagePoint {
     film_distance: f64,
     object_distance: f64,
     object: ObjectPoint,
+    /// The point on the film, mm from its centre, and the plane that touches the film there.
     at: [f64; 2],
+    film: FilmPlane,
     sampling: Sampling,
 }
 
@@ -87,10 +89,26 @@ impl ImagePoint {
     /// # Errors
     /// There is no such lens, it makes no image, or the point has no chief ray.
     fn of(args: &PointArgs) -> Result<Self, Failure> {
-        let opened = args.lens.open_with_stop_and_transmission()?;
+        let opened = args.lens.open_with_stop_transmission_and_film()?;
         let film_distance = opened.film_distance()?;
         let lens = &opened.lens;
-        let in_focus = || Focus::new(lens).ok().and_then(|focus| focus.object_distance(film_distance));
+        let ([x, y], ahead, axes) = opened.film_surface()?.tangent(args.at);
+        if !(ahead < film_distance) {
+            let reason = if ahead.is_nan() {
+                "lies beyond the sphere along which the film is curved"
+            } else {
+                "lies in the lens, into which the film is tilted or curved"
+            };
+            return Err(Failure::Other(format!(
+                "the image point {reason}; give --at a point nearer the film's centre, or a flatter film"
+            )));
+        }
+        // Object distances are from the plane through the film's centre; film that is tilted or curved is in focus at
+        // another distance at each of its points.
+        let in_focus = || {
+            let distance = Focus::new(lens).ok()?.object_distance(film_distance - ahead)?;
+            Some(distance + ahead)
+        };
         let object_distance = args.object_distance.or_else(in_focus).unwrap_or(f64::INFINITY);
         // Rounding makes of an object at infinity one that is very far away.
         let object_distance =
@@ -104,7 +122,8 @@ impl ImagePoint {
                 fixed(-film, 3)
             )));
         }
-        let object = object_of(lens, [args.at[0], args.at[1], film], object_distance)?;
+        let point = [x, y, film + ahead];
+        let object = object_of(lens, point, object_distance - ahead)?;
         let lenses = match &args.spectrum {
             None => vec![(opened.lens.clone(), 1.0)],
             Some(Spectrum(lines)) => {
@@ -124,6 +143,7 @@ impl ImagePoint {
             object_distance,
             object,
             at: args.at,
+            film: FilmPlane { point, axes },
             sampling: Sampling { across: args.rays },
         })
     }
@@ -133,13 +153,21 @@ impl ImagePoint {
     fn wavefronts(&self, sampling: Sampling, defocus: f64) -> Result<Vec<(f64, Wavefront)>, WaveError> {
         let mut image = None;
         let at = |(i, (lens, weight)): (usize, &(Lens, f64))| {
-            let plane = FilmPlane::across(lens.rear().vertex - self.film_distance - defocus);
+            let [x, y, z] = self.film.point;
+            let plane = FilmPlane { point: [x, y, z - defocus], ..self.film };
             let surfaces = self.surfaces.as_ref().map(|all| &all[i]);
             let wavefront = Wavefront::about(lens, surfaces, self.object, &plane, sampling, image)?;
             image = Some(wavefront.image);
             Ok((*weight, wavefront))
         };
         self.lenses.iter().enumerate().map(at).collect()
+    }
+
+    /// Returns the image point of a wavefront, mm from the film's centre.
+    fn image(&self, wavefront: &Wavefront) -> [f64; 2] {
+        let away = std::array::from_fn(|i| wavefront.image[i] - self.film.point[i]);
+        let away = self.film.within(away);
+        [self.at[0] + away[0], self.at[1] + away[1]]
     }
 
     /// Returns the facts of a wavefront as JSON.
@@ -151,7 +179,7 @@ impl ImagePoint {
             "weights": self.lenses.iter().map(|(_, weight)| weight).collect::<Vec<_>>(),
             "film_distance": self.film_distance,
             "object_distance_mm": Some(self.object_distance).filter(|distance| distance.is_finite()),
-            "image_point_mm": &wavefront.image[..2],
+            "image_point_mm": self.image(wavefront),
             "rms_waves": wavefront.rms(),
             "peak_to_valley_waves": wavefront.peak_to_valley(),
             "strehl": wavefront.strehl(),
@@ -176,7 +204,7 @@ impl ImagePoint {
         } else {
             "at infinity".to_owned()
         };
-        let [x, y] = [wavefront.image[0], wavefront.image[1]].map(|part| fixed(part, 4));
+        let [x, y] = self.image(wavefront).map(|part| fixed(part, 4));
         let wavelengths: Vec<String> =
             self.lenses.iter().map(|(lens, _)| as_given(lens.wavelength)).collect();
         format!(

@@ -13,6 +13,7 @@
 //! tilt lies in this plane. A ray that leaves a point of any other surface is extended to this plane;
 //! [`FilmPoint::ahead`] is the distance by which the point lies in front of it.
 
+use realistic_base::numeric::dot;
 use realistic_simd::{Cpu, Lanes, OneLane, Portable, Scalar};
 
 /// A film's surface.
@@ -98,6 +99,21 @@ impl FilmSurface {
         let FilmPoint { point: [Portable([x]), Portable([y])], ahead: Portable([ahead]), .. } =
             self.constants().lift(OneLane::cpu(), flat);
         ([x, y], ahead)
+    }
+
+    /// Returns the point of [`FilmSurface::point`] and two perpendicular unit vectors that span the tangent plane there. On
+    /// flat film they point along u and v; on curved film u is constant along the second. All are NaN for points beyond the
+    /// edge of the sphere.
+    pub fn tangent(&self, flat: [f64; 2]) -> ([f64; 2], f64, [[f64; 3]; 2]) {
+        let (point, ahead) = self.point(flat);
+        let [nx, ny] = flat.map(|part| self.curvature * part);
+        let nz = (1.0 - nx * nx - ny * ny).sqrt();
+        // In the film's own frame: (1, 0, 0) less its part along the normal, and the cross product of the normal with that.
+        let length = (1.0 - nx * nx).sqrt();
+        let along_u = [length, -nx * ny / length, -nx * nz / length];
+        let along_v = [0.0, nz / length, -ny / length];
+        let turned = |vector: [f64; 3]| self.rotation.map(|row| dot(row, vector));
+        (point, ahead, [along_u, along_v].map(turned))
     }
 
     /// Returns the surface's constants in the precision of lanes.
@@ -242,6 +258,34 @@ mod tests {
                 assert!((normal[axis] - from_centre[axis] / radius).abs() < 1e-15, "{normal:?}");
             }
         }
+    }
+
+    #[test]
+    fn the_tangent_plane_is_perpendicular_to_the_normal_and_follows_the_film() {
+        for radius in [-12.0, 30.0, f64::INFINITY] {
+            let surface = FilmSurface::new([0.5, -0.25], [20.0, -7.0], radius);
+            let flat = [3.0, 4.0];
+            let (point, ahead, [along_u, along_v]) = surface.tangent(flat);
+            assert_eq!((point, ahead), surface.point(flat));
+            let (_, _, normal) = lift(&surface, flat);
+            for (a, b, expected) in [
+                (along_u, normal, 0.0),
+                (along_v, normal, 0.0),
+                (along_u, along_v, 0.0),
+                (along_u, along_u, 1.0),
+                (along_v, along_v, 1.0),
+            ] {
+                assert!((dot(a, b) - expected).abs() < 1e-14, "{radius}: {a:?} {b:?}");
+            }
+            // The film's point moves along the second axis if v grows.
+            let step = 1e-6;
+            let ([x, y], further) = surface.point([flat[0], flat[1] + step]);
+            let moved = [x - point[0], y - point[1], further - ahead];
+            let length = dot(moved, moved).sqrt();
+            assert!((dot(moved, along_v) / length - 1.0).abs() < 1e-9, "{radius}: {moved:?}");
+            assert!(dot(moved, along_u).abs() < 1e-9 * length + 1e-15, "{radius}: {moved:?}");
+        }
+        assert!(FilmSurface::new([0.0; 2], [0.0; 2], 4.0).tangent([3.0, 4.0]).1.is_nan());
     }
 
     #[test]

@@ -73,7 +73,7 @@ def psf_map(
     Parameters
     ----------
     camera : Camera
-        A camera with a lens, and with film that is flat and centred.
+        A camera with a lens. Film may be shifted, tilted or curved.
     grid : (int, int)
         Numbers of columns and rows of points, as for `Field.grid`.
     pixels : int
