@@ -26,8 +26,8 @@ def table():
 def test_a_row_for_each_combination_in_order(table):
     assert len(table) == 2 * 2 * 2 * 2 * 2
     assert table.columns == (
-        ("lens", "fnumber", "fnumber_used", "focus_distance", "field", "field_angle_deg", "x_mm", "y_mm", "wavelength")
-        + ("focal_length_mm", "spot_rms_um", "airy_radius_um")
+        ("lens", "fnumber", "fnumber_used", "focus_distance", "defocus_mm", "field", "field_angle_deg", "x_mm", "y_mm")
+        + ("wavelength", "focal_length_mm", "spot_rms_um", "airy_radius_um")
         + tuple(f"mtf_{curve}_{f}" for f in (10, 30) for curve in ("tangential", "sagittal", "diffraction"))
         + ("relative_illumination", "distortion", "acceptance", "failed", "note")
     )
@@ -74,6 +74,25 @@ def test_a_row_equals_its_measures(table):
         row["field_angle_deg"], measure.field_angle(camera, point, distance=2000.0)[0], rtol=1e-6
     )
     assert 0.9 < row["acceptance"] <= 1
+
+
+def test_the_film_is_moved_through_focus_and_the_scene_stays():
+    given = {"wavelengths": 587.56, "processes": 1, **SMALL}
+    found = study("dgauss.50mm", 4, 2000.0, defocus_mm=[-0.2, 0.0, 0.2], mm_per_unit=2.0, **given)
+    assert found["defocus_mm"].tolist() == [-0.2] * 2 + [0.0] * 2 + [0.2] * 2
+    assert found["field"].tolist() == [0.0, 0.8] * 3
+    lens = realistic.Camera("dgauss.50mm", resolution=(300, 200), fnumber=4, focus_distance=2000.0, mm_per_unit=2.0)
+    moved = lens.replace(film_distance=lens.film_distance + 0.2)
+    spot = measure.spots(moved, Field.fractions([0.0]), distance=2000.1).rms[0] * 1000 * lens.film_size_mm[0] / 300
+    np.testing.assert_allclose(found["spot_rms_um"][4], spot, rtol=1e-6)
+    # On the axis, the disk's diameter is the displacement over the f-number of the cone; its RMS radius is that over 2√2.
+    cone = measure.working_fnumber(lens)
+    np.testing.assert_allclose(found["spot_rms_um"][[0, 4]], 200 / cone / 8**0.5, rtol=0.1)
+    assert found["spot_rms_um"][2] < 0.3 * found["spot_rms_um"][4]
+    with pytest.raises(ValueError, match="finite"):
+        study("dgauss.50mm", defocus_mm=np.nan, **given)
+    with pytest.raises(ValueError, match="leave out model"):
+        study("dgauss.50mm", defocus_mm=0.1, model="thin", **given)
 
 
 def test_several_processes_give_the_same_table(table):
@@ -226,10 +245,10 @@ def test_a_notebook_shows_a_table(table):
     assert [head.text for head in shown.find("thead").iter("th")] == list(table.columns)
     rows = [[cell.text or "" for cell in row] for row in shown.find("tbody")]
     assert len(rows) == 32 and rows[5][0] == table["lens"][5]
-    assert float(rows[5][10]) == pytest.approx(table["spot_rms_um"][5], rel=1e-5)
+    assert float(rows[5][table.columns.index("spot_rms_um")]) == pytest.approx(table["spot_rms_um"][5], rel=1e-5)
     many = Table(np.concatenate([table] * 10))
     rows = [[cell.text or "" for cell in row] for row in xml.fromstring(many._repr_html_()).find("tbody")]
-    assert len(rows) == 61 and rows[30] == ["… 260 rows …"] and rows[-1][4] == f"{table['field'][-1]:.6g}"
+    assert len(rows) == 61 and rows[30] == ["… 260 rows …"] and rows[-1][5] == f"{table['field'][-1]:.6g}"
     odd = np.array([("<b>&",)], [("a<", "U4")])
     assert xml.fromstring(Table(odd)._repr_html_())[1][0][0].text == "<b>&"
 

@@ -151,8 +151,13 @@ def test_a_map_of_points_is_upright_and_the_same_on_all_workers() -> None:
     assert found.rms[0, 1] == pytest.approx(alone.wavefront.rms, rel=1e-6)
     dark = farm.psf_map(Camera("fisheye.10mm", resolution=(300, 200)), (7, 7), pixels=8, rays=16, processes=1)
     assert np.isfinite(dark.strehl[3, 3]) and np.isnan(dark.strehl[0, 0]) and np.isnan(dark.energy[0, 0]).all()
-    with pytest.raises(realistic.Error, match="flat film"):
-        farm.psf_map(camera.replace(film_tilt_x=3.0), (1, 1), processes=1, retries=0)
+    # Tilted about its x axis, the film is out of focus above and below, but not in the middle.
+    tilted = farm.psf_map(
+        camera.replace(film_tilt_x=2.0), (1, 3), pixels=64, pitch_um=1.5, distance=np.inf, processes=1
+    )
+    flat = farm.psf_map(camera, (1, 3), pixels=64, pitch_um=1.5, distance=np.inf, processes=1)
+    assert tilted.strehl[1, 0] == pytest.approx(flat.strehl[1, 0], rel=1e-4)
+    assert (tilted.rms[[0, 2], 0] > 1.5 * flat.rms[[0, 2], 0]).all()
 
 
 def test_a_study_maps_its_columns_over_the_picture() -> None:
@@ -169,8 +174,30 @@ def test_a_study_maps_its_columns_over_the_picture() -> None:
         plot.field_map(table, "strehl")
     with pytest.raises(ValueError, match="points of a grid"):
         plot.field_map(one[1:], "strehl")
-    tilted = realistic.study("planar.50mm", 4, fields=0, film_tilt_x=3.0, **given)
-    assert tilted["failed"].all() and "flat film" in tilted["note"][0]
+    tilted = realistic.study("planar.50mm", 4, fields=[0, 0.5], film_tilt_x=3.0, **given)
+    assert not tilted["failed"].any() and tilted["wavefront_rms"][1] > 3 * tilted["wavefront_rms"][0]
+
+
+def test_a_study_through_focus_is_drawn_a_line_for_each_field_and_column() -> None:
+    plot = pytest.importorskip("realistic.plot")
+    moved = [-0.05, 0.0, 0.05]
+    table = realistic.study(
+        "dgauss.50mm", [8], fields=[0, 0.6], defocus_mm=moved, frequencies=40, processes=1, diffraction=True
+    )
+    lens = realistic.Lens("dgauss.50mm", fnumber=8)
+    alone = [found.tangential[0] for found in lens.mtf_through_focus([40.0], moved, object_distance=float("inf"))]
+    names = ["wave_mtf_tangential_40", "wave_mtf_sagittal_40"]
+    lines = plot.through_focus(table, names).get_lines()
+    assert len(lines) == 4 and lines[0].get_label() == "field 0, wave_mtf_tangential_40"
+    np.testing.assert_array_equal(lines[0].get_xdata(), moved)
+    np.testing.assert_allclose(lines[0].get_ydata(), alone, atol=2e-3)
+    np.testing.assert_array_equal(lines[3].get_ydata(), table[table["field"] == 0.6]["wave_mtf_sagittal_40"])
+    other = table.copy()
+    other["fnumber"][0] = 4.0
+    with pytest.raises(ValueError, match="differ in fnumber"):
+        plot.through_focus(other, names)
+    with pytest.raises(ValueError, match="different field points"):
+        plot.through_focus(table[:-1], names)
 
 
 def test_a_map_of_points_has_each_at_its_place() -> None:

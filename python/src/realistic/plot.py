@@ -7,6 +7,7 @@ take what `realistic.study` and `farm.psf_map` return. `fields` are fractions of
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import cycle
 from typing import TYPE_CHECKING
 
 import matplotlib.pyplot as plt
@@ -196,9 +197,7 @@ def field_map(table: Table, column: str, ax: Axes | None = None) -> Axes:
     """
     ax = ax or plt.subplots(layout="constrained")[1]
     x, y = (np.unique(np.round(table[name], 6)) for name in ("x_mm", "y_mm"))
-    cameras = {name: np.unique(table[name]) for name in ("lens", "fnumber", "focus_distance", "wavelength")}
-    if several := [name for name, values in cameras.items() if len(values) > 1]:
-        raise ValueError(f"a map shows one camera, and these rows differ in {', '.join(several)}: select some of them")
+    _of_one_camera(table, ("lens", "fnumber", "focus_distance", "defocus_mm", "wavelength"))
     values = np.full((len(y), len(x)), np.nan)
     at = np.searchsorted(y, np.round(table["y_mm"], 6)), np.searchsorted(x, np.round(table["x_mm"], 6))
     if len(table) != values.size or len({*zip(*(part.tolist() for part in at))}) != values.size:
@@ -208,6 +207,44 @@ def field_map(table: Table, column: str, ax: Axes | None = None) -> Axes:
     ax.figure.colorbar(shown, ax=ax, label=column, shrink=0.7)
     number = float(table["fnumber_used"][0])
     ax.set(title=f"{table['lens'][0]}, f/{number:.3g}: {column}", xlabel="mm on the film", ylabel="mm on the film")
+    return ax
+
+
+def _of_one_camera(table: Table, columns: Sequence[str]) -> None:
+    """Raises an error unless all rows agree in columns."""
+    if several := [name for name in columns if len(np.unique(table[name])) != 1]:
+        raise ValueError(
+            f"the figure is of one camera, and these rows differ in {', '.join(several)}: select some of them"
+        )
+
+
+def through_focus(table: Table, columns: str | Sequence[str], ax: Axes | None = None) -> Axes:
+    """Plots columns of a study over the film's position: a colour for each field point, a dash for each column.
+
+    The table has the rows of one camera at several `defocus_mm`.
+
+    Raises
+    ------
+    ValueError
+        For a table of several cameras, or of different field points at different positions of the film.
+    """
+    ax = ax or plt.subplots(layout="constrained")[1]
+    _of_one_camera(table, ("lens", "fnumber", "focus_distance", "wavelength"))
+    names = [columns] if isinstance(columns, str) else list(columns)
+    moved, counts = np.unique(table["defocus_mm"], return_counts=True)
+    if (counts != counts[0]).any():
+        raise ValueError("the rows have different field points at different positions of the film: select whole fields")
+    # In a study's order, all field points of one position follow one another.
+    rows = table[np.argsort(table["defocus_mm"], kind="stable")].reshape(len(moved), -1)
+    for point, field in enumerate(rows["field"][0]):
+        for name, dash in zip(names, cycle(("-", "--", ":", "-."))):
+            label = f"field {field:.2g}, {name}" if len(names) > 1 else f"field {field:.2g}"
+            ax.plot(moved, rows[name][:, point], dash, color=f"C{point}", label=label)
+    number = float(table["fnumber_used"][0])
+    ax.set(title=f"{table['lens'][0]}, f/{number:.3g}: through focus", xlabel="film moved away from the lens, mm")
+    ax.set_ylabel(names[0] if len(names) == 1 else "")
+    ax.grid(alpha=0.3)
+    ax.legend(fontsize=8)
     return ax
 
 

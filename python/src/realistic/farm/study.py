@@ -1,6 +1,7 @@
-"""Studies: measures of many lenses at many stops, distances, fields and wavelengths, as one table.
+"""Studies: measures of many lenses at many stops, distances, film positions, fields and wavelengths, as one table.
 
-A job measures one camera, that is, one lens at one stop, focus distance and wavelength, at all field points.
+A job measures one camera, that is, one lens at one stop, focus distance, film position and wavelength, at all field
+points.
 """
 
 from __future__ import annotations
@@ -47,6 +48,7 @@ def study(
     fields: float | Iterable[float] | Field = (0.0, 0.5, 0.7, 0.95),
     wavelengths: float | Iterable[float] = 587.56,
     *,
+    defocus_mm: float | Iterable[float] = 0.0,
     frequencies: float | Iterable[float] = (10.0, 30.0),
     resolution: tuple[int, int] = (1500, 1000),
     diffraction: bool = False,
@@ -74,6 +76,9 @@ def study(
         Fractions of half the film's diagonal, from 0 in the middle to 1 in the corner; or other field points.
     wavelengths : float
         Wavelengths, nm. The film is always placed where the lens is in focus at 587.56 nm.
+    defocus_mm : float
+        Distances by which the film is moved from there, mm, away from the lens: several show the lens through focus.
+        The measured plane of the scene stays where it is.
     frequencies : float
         Frequencies of the MTF, line pairs per mm on the film.
     resolution : (int, int)
@@ -103,9 +108,9 @@ def study(
     Returns
     -------
     Table
-        A row for each combination, the wavelength changing fastest, then the field. Columns:
+        A row for each combination, the wavelength changing fastest, then the field, then the film's position. Columns:
 
-        - `lens`, `focus_distance`, `wavelength`, as requested;
+        - `lens`, `focus_distance`, `defocus_mm`, `wavelength`, as requested;
         - `fnumber`, as requested, NaN for the lens's own stop; `fnumber_used`, which differs if the lens cannot open so
           far;
         - `field`, the distance from the middle divided by half the diagonal; `field_angle_deg`, the field angle; `x_mm`
@@ -125,7 +130,8 @@ def study(
     Raises
     ------
     TypeError, ValueError
-        For an argument that is invalid for every camera. Errors of one lens or one stop are in the rows' notes.
+        For an argument that is invalid for every camera, or a `defocus_mm` for cameras whose film has no place of its own:
+        textbook models and lenses that focus by their groups. Errors of one lens or one stop are in the rows' notes.
     """
     if taken := _ITS_OWN & set(parameters):
         raise TypeError(
@@ -135,14 +141,19 @@ def study(
     checked(dict(parameters))
     named = [lenses] if isinstance(lenses, (str, os.PathLike)) else list(lenses)
     stops = [None if stop is None else float(stop) for stop in _several(fnumbers)]
-    several = (focus_distances, wavelengths, frequencies)
-    far, colours, lines = ([float(each) for each in _several(given)] for given in several)
+    several = (focus_distances, defocus_mm, wavelengths, frequencies)
+    far, moved, colours, lines = ([float(each) for each in _several(given)] for given in several)
+    if not np.isfinite(moved).all():
+        raise ValueError(f"defocus_mm is {defocus_mm!r}; give finite distances in mm")
+    if any(moved) and not _has_film_of_its_own(dict(parameters)):
+        raise ValueError("defocus_mm moves the film of a lens that focuses by its film: leave out model and focus_by")
     points = fields if isinstance(fields, Field) else Field.fractions(np.asarray(_several(fields), float))
     jobs = [
         _Job(
             os.fspath(lens),
             stop,
             distance,
+            away,
             colour,
             points,
             lines,
@@ -150,7 +161,7 @@ def study(
             dict(parameters),
             diffraction,
         )
-        for lens, stop, distance, colour in product(named, stops, far, colours)
+        for lens, stop, distance, away, colour in product(named, stops, far, moved, colours)
     ]
     found = [json.loads(result) for result in workers.do(_measured, jobs, _failed, "camera")]
     cells = np.full((len(jobs), points.x.size), np.nan, _dtype(lines, found, diffraction))
@@ -171,6 +182,7 @@ class _Job:
     lens: str
     fnumber: float | None
     focus_distance: float
+    defocus_mm: float
     wavelength: float
     field: Field
     frequencies: Sequence[float]
@@ -178,10 +190,20 @@ class _Job:
     parameters: dict[str, Any]
     diffraction: bool = False
 
+    @property
+    def distance(self) -> float:
+        """Distance of the measured plane from the film, world units: the film may be moved, but not the plane."""
+        return self.focus_distance + self.defocus_mm / self.mm_per_unit
+
+    @property
+    def mm_per_unit(self) -> float:
+        """Millimetres of a world unit."""
+        return float(self.parameters.get("mm_per_unit", 1.0))
+
     def result(self, found: dict[str, Any], notes: Sequence[str], failed: ArrayLike) -> bytes:
         """Returns the rows as JSON: a camera's columns by name, each with one value per field point."""
         requested: dict[str, Any] = {"fnumber": np.nan if self.fnumber is None else self.fnumber}
-        requested |= {"focus_distance": self.focus_distance, "wavelength": self.wavelength}
+        requested |= {name: getattr(self, name) for name in ("focus_distance", "defocus_mm", "wavelength")}
         requested["field"] = self.field.share(self.resolution).ravel()
         requested["field_angle_deg"] = self.field.angle().ravel()
         points = self.field.x.size
@@ -205,8 +227,8 @@ def _dtype(frequencies: Sequence[float], found: Sequence[dict[str, list[Any]]], 
     def text(name: str) -> tuple[str, str]:
         return name, f"U{max((len(each) for columns in found for each in columns[name]), default=1) or 1}"
 
-    names = ["fnumber", "fnumber_used", "focus_distance", "field", "field_angle_deg", "x_mm", "y_mm", "wavelength"]
-    names += ["focal_length_mm", "spot_rms_um", "airy_radius_um"]
+    names = ["fnumber", "fnumber_used", "focus_distance", "defocus_mm", "field", "field_angle_deg", "x_mm", "y_mm"]
+    names += ["wavelength", "focal_length_mm", "spot_rms_um", "airy_radius_um"]
     names += [
         f"mtf_{curve}_{frequency:g}" for frequency in frequencies for curve in ("tangential", "sagittal", "diffraction")
     ]
@@ -248,12 +270,17 @@ def _failed(job: _Job, error: Exception) -> bytes:
     return job.result({}, [note] * job.field.x.size, True)
 
 
+def _has_film_of_its_own(parameters: dict[str, Any]) -> bool:
+    """Whether the film can be placed independently of the plane in focus."""
+    return parameters.get("model", "lens") == "lens" and parameters.get("focus_by", "film") == "film"
+
+
 def _camera(job: _Job) -> Camera:
-    """Builds the camera at its wavelength, with its film where the lens is in focus at 587.56 nm."""
+    """Builds the camera at its wavelength, with its film where the lens is in focus at 587.56 nm, or moved from there."""
     given = {**job.parameters, "lens_file": job.lens, "fnumber": job.fnumber, "resolution": job.resolution}
-    if given.get("model", "lens") == "lens" and given.get("focus_by", "film") == "film":
+    if _has_film_of_its_own(given):
         with Camera(focus_distance=job.focus_distance, **given) as focused:
-            return focused.replace(film_distance=focused.film_distance, wavelength=job.wavelength)
+            return focused.replace(film_distance=focused.film_distance + job.defocus_mm, wavelength=job.wavelength)
     return Camera(focus_distance=job.focus_distance, wavelength=job.wavelength, **given)
 
 
@@ -261,7 +288,7 @@ def _measure(job: _Job, found: dict[str, Any]) -> NDArray[np.bool_]:
     """Fills in the columns one by one; returns a mask of the field points inside the picture. The others get NaN."""
     with _camera(job) as camera:
         found["fnumber_used"], found["focal_length_mm"] = camera.fnumber, camera.focal_length_mm
-        image_xy = job.field.image_xy(camera, job.focus_distance).reshape(-1, 2)
+        image_xy = job.field.image_xy(camera, job.distance).reshape(-1, 2)
         reached = ~np.isnan(image_xy[:, 0])
         points = Field.pixels(image_xy[reached])
 
@@ -272,11 +299,11 @@ def _measure(job: _Job, found: dict[str, Any]) -> NDArray[np.bool_]:
         if job.field.unit == "angles":
             fill("field", points.share(camera.resolution))
         else:
-            fill("field_angle_deg", measure.field_angle(camera, points, distance=job.focus_distance))
+            fill("field_angle_deg", measure.field_angle(camera, points, distance=job.distance))
         for name, numbers in zip(("x_mm", "y_mm"), _waves.from_the_middle(camera, image_xy[reached]).T):
             fill(name, numbers)
         fill("relative_illumination", measure.relative_illumination(camera, points))
-        spots = measure.spots(camera, points, distance=job.focus_distance)
+        spots = measure.spots(camera, points, distance=job.distance)
         micrometres = 1000 * camera.film_size_mm[0] / camera.resolution[0]
         fill("spot_rms_um", spots.rms * micrometres)
         fill("airy_radius_um", measure.airy_radius(camera, points) * micrometres)
@@ -287,7 +314,7 @@ def _measure(job: _Job, found: dict[str, Any]) -> NDArray[np.bool_]:
             fill(f"mtf_diffraction_{frequency:g}", np.broadcast_to(limit[k], len(mtf)))
             fill(f"mtf_tangential_{frequency:g}", mtf[:, 0, k])
             fill(f"mtf_sagittal_{frequency:g}", mtf[:, 1, k])
-        fill("distortion", measure.distortion(camera, points, distance=job.focus_distance))
+        fill("distortion", measure.distortion(camera, points, distance=job.distance))
         if job.diffraction:
             for name, numbers in _diffracted(job, camera, image_xy[reached]).items():
                 fill(name, numbers)
@@ -301,7 +328,7 @@ def _diffracted(job: _Job, camera: Camera, image_xy: NDArray[np.float64]) -> dic
     if camera.parameters.get("model", "lens") != "lens":
         return {name: np.full(len(image_xy), np.nan) for name in names}
     lens = _waves.parameters_of(camera)
-    distance = job.focus_distance * float(job.parameters.get("mm_per_unit", 1.0))
+    distance = job.distance * job.mm_per_unit
     rows = []
     for point in -_waves.from_the_middle(camera, image_xy):
         try:
