@@ -14,14 +14,14 @@ mod osl;
 mod plots;
 mod spelling;
 
-use arguments::{CameraChoice, ParameterFlags, with_scene_defaults, with_stack_defaults};
+use arguments::{CameraChoice, ParameterFlags, with_groups, with_scene_defaults, with_stack_defaults};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use commands::pictures::{focus_stack, merge, render};
 use commands::{
     blender, convert, disks, draw, flare, focus, install, lens, lenses, plan, pupil, refractions, report,
     trace,
-    waves::{mtf, psf},
+    waves::{self, mtf, psf},
 };
 use failure::Failure;
 use realistic_optics::prescription::catalogue;
@@ -101,7 +101,12 @@ enum Command {
 fn command() -> clap::Command {
     let command = with_scene_defaults(Cli::command())
         .mut_subcommand("render", with_scene_defaults)
-        .mut_subcommand("focus-stack", with_stack_defaults);
+        .mut_subcommand("focus-stack", with_stack_defaults)
+        .mut_subcommand("blender", |command| with_groups(command, blender::GROUPS))
+        .mut_subcommand("export", |command| with_groups(command, commands::export::GROUPS))
+        .mut_subcommand("flare", |command| with_groups(command, flare::GROUPS))
+        .mut_subcommand("mtf", |command| with_groups(command, waves::GROUPS))
+        .mut_subcommand("psf", |command| with_groups(command, waves::GROUPS));
     command.mut_args(|arg| if arg.get_id() == "quiet" { arg } else { arg.hide_short_help(true) })
 }
 

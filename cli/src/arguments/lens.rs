@@ -7,8 +7,8 @@ use crate::console::{note, warn};
 use crate::failure::Failure;
 use clap::{ArgMatches, Command};
 use realistic_camera::{
-    Exposure, FilmSurface, Host, Level, PARAMETERS, Parameters, Raster, blades, coatings, film_distance,
-    film_surface, group_reach, open_lens, stop_picture,
+    FilmSurface, Host, Level, PARAMETERS, Parameters, Raster, blades, coatings, film_distance, film_surface,
+    group_reach, open_lens, stop_picture,
 };
 use realistic_optics::imaging::{focus::Conjugates, open::StopSize};
 use realistic_optics::lens::Lens;
@@ -46,13 +46,16 @@ const LENS_PARAMETERS: [&str; 12] = [
     "mm_per_unit",
 ];
 
-/// Parameters of the shape of the stop's opening.
-const STOP_SHAPE: [&str; 5] =
-    ["blades", "blade_rotation", "blade_curvature", "stop_picture", "stop_picture_gain"];
+/// Parameters of the shape of the stop's opening, which some commands use, too.
+pub const STOP_SHAPE: &[&str] =
+    &["blades", "blade_rotation", "blade_curvature", "stop_picture", "stop_picture_gain"];
 
-/// Parameters of film that is not flat and centred on the axis.
-const POSED_FILM: [&str; 5] =
-    ["film_shift_x", "film_shift_y", "film_tilt_x", "film_tilt_y", "film_curvature_radius"];
+/// Parameter of the light that surfaces transmit, which some commands use, too.
+pub const TRANSMISSION: &[&str] = &["transmission"];
+
+/// Parameters of film that is not flat and centred on the axis, which some commands use, too.
+pub const POSED_FILM: &[&str] =
+    &["film_shift_x", "film_shift_y", "film_tilt_x", "film_tilt_y", "film_curvature_radius"];
 
 impl clap::Args for LensChoice {
     fn augment_args(command: Command) -> Command {
@@ -84,6 +87,11 @@ impl clap::FromArgMatches for LensChoice {
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
         self.0.update_from_arg_matches(matches)
     }
+}
+
+/// Returns the arguments of a command that uses groups of parameters besides those of every lens; its help lists them.
+pub fn with_groups(command: Command, groups: &[&[&'static str]]) -> Command {
+    groups.concat().into_iter().fold(command, |command, name| command.mut_arg(name, |arg| arg.hide(false)))
 }
 
 /// Returns the arguments of a command that renders one scene and focuses and places the camera for it.
@@ -236,60 +244,23 @@ impl LensChoice {
     /// # Errors
     /// As for [`open_lens`].
     pub fn open(&self) -> Result<OpenedLens, Failure> {
-        self.open_with(&LENS_PARAMETERS)
+        self.open_with(&[])
     }
 
-    /// Opens the lens as [`LensChoice::open`] does, for commands that use the shape of the stop and accept its
-    /// parameters.
+    /// Finds the lens as [`LensChoice::open`] does, for a command that uses groups of parameters besides those of every lens.
     ///
     /// # Errors
-    /// As for [`open_lens`], [`blades`] and [`stop_picture`].
-    pub fn open_with_stop(&self) -> Result<OpenedLens, Failure> {
-        self.open_with_stop_and(&[])
-    }
-
-    fn open_with_stop_and(&self, more: &[&str]) -> Result<OpenedLens, Failure> {
-        let mut opened = self.open_with(&[&LENS_PARAMETERS[..], &STOP_SHAPE, more].concat())?;
-        let OpenedLens { prescription, lens, parameters, host } = &mut opened;
-        lens.set_blades(blades(parameters, prescription)?);
-        if let Some(picture) = stop_picture(parameters, prescription, host, &mut log)? {
-            lens.add_picture(picture);
+    /// As for [`open_lens`], and with [`STOP_SHAPE`] as for [`blades`] and [`stop_picture`].
+    pub fn open_with(&self, groups: &[&[&str]]) -> Result<OpenedLens, Failure> {
+        let mut opened = self.open_using(&[&LENS_PARAMETERS, &groups.concat()[..]].concat())?;
+        if groups.contains(&STOP_SHAPE) {
+            let OpenedLens { prescription, lens, parameters, host } = &mut opened;
+            lens.set_blades(blades(parameters, prescription)?);
+            if let Some(picture) = stop_picture(parameters, prescription, host, &mut log)? {
+                lens.add_picture(picture);
+            }
         }
         Ok(opened)
-    }
-
-    /// Finds the lens and accepts the parameter for the transmission of its surfaces, too.
-    ///
-    /// # Errors
-    /// As for [`open_lens`].
-    pub fn open_with_transmission(&self) -> Result<OpenedLens, Failure> {
-        self.open_with(&[&LENS_PARAMETERS[..], &["transmission"]].concat())
-    }
-
-    /// Opens the lens as [`LensChoice::open_with_stop`] does and accepts the parameter for the transmission of its
-    /// surfaces, too.
-    ///
-    /// # Errors
-    /// As for [`LensChoice::open_with_stop`].
-    pub fn open_with_stop_and_transmission(&self) -> Result<OpenedLens, Failure> {
-        self.open_with_stop_and(&["transmission"])
-    }
-
-    /// Opens the lens as [`LensChoice::open_with_stop_and_transmission`] does and accepts the parameters of film that is
-    /// shifted, tilted or curved, too.
-    ///
-    /// # Errors
-    /// As for [`LensChoice::open_with_stop`].
-    pub fn open_with_stop_transmission_and_film(&self) -> Result<OpenedLens, Failure> {
-        self.open_with_stop_and(&[&["transmission"], &POSED_FILM[..]].concat())
-    }
-
-    /// Opens the lens as [`LensChoice::open_with_stop`] does and accepts the parameters of the exposure, too.
-    ///
-    /// # Errors
-    /// As for [`LensChoice::open_with_stop`].
-    pub fn open_with_exposure(&self) -> Result<OpenedLens, Failure> {
-        self.open_with_stop_and(&Exposure::PARAMETERS)
     }
 
     /// Finds the lens as its file describes it, without any other setting.
@@ -297,12 +268,12 @@ impl LensChoice {
     /// # Errors
     /// As for [`open_lens`].
     pub fn open_as_it_is(&self) -> Result<OpenedLens, Failure> {
-        self.open_with(&["glass_catalog", "strict"])
+        self.open_using(&["glass_catalog", "strict"])
     }
 
     /// Finds the lens with the parameters in `used` and warns of others. Film that is shifted, tilted or curved is
     /// refused by commands that place a film: their film is flat and centred on the axis.
-    fn open_with(&self, used: &[&str]) -> Result<OpenedLens, Failure> {
+    fn open_using(&self, used: &[&str]) -> Result<OpenedLens, Failure> {
         let places_film = used.contains(&"film_distance");
         let lens_file = self.0.with_a_lens()?.lens_file;
         let mut parameters = Parameters { lens_file, ..Parameters::default() };

@@ -7,8 +7,8 @@ mod values;
 
 pub use film::FilmSize;
 pub use lens::{
-    CameraChoice, LensChoice, OpenedLens, PIPED, host, size_film, standard_input, with_scene_defaults,
-    with_stack_defaults,
+    CameraChoice, LensChoice, OpenedLens, PIPED, POSED_FILM, STOP_SHAPE, TRANSMISSION, host, size_film,
+    standard_input, with_groups, with_scene_defaults, with_stack_defaults,
 };
 pub use parameters::{ParameterFlags, flag_name};
 pub use values::{distance, finite, not_negative, positive, size, whole};

@@ -1,6 +1,6 @@
 //! `realistic blender`: a lens as a camera for Blender's Cycles.
 
-use crate::arguments::LensChoice;
+use crate::arguments::{LensChoice, STOP_SHAPE, TRANSMISSION};
 use crate::console;
 use crate::failure::Failure;
 use crate::files::{is_stdout, save};
@@ -41,12 +41,15 @@ fn shader_path(text: &str) -> Result<PathBuf, String> {
     }
 }
 
+/// The groups of parameters that the command uses.
+pub const GROUPS: &[&[&str]] = &[STOP_SHAPE, TRANSMISSION];
+
 /// Writes the shader and reports its path.
 ///
 /// # Errors
 /// There is no such lens, it cannot become a camera of Blender, or the file cannot be written.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let opened = args.lens.open_with_stop_and_transmission()?;
+    let opened = args.lens.open_with(GROUPS)?;
     let prescription = &opened.prescription;
     let parameters = opened.parameters();
     let layout = prescription.positions.as_ref().map(Positions::layout);

@@ -1,6 +1,6 @@
 //! `realistic export`: a lens in the formats of other programs.
 
-use crate::arguments::{LensChoice, OpenedLens, size};
+use crate::arguments::{LensChoice, OpenedLens, STOP_SHAPE, TRANSMISSION, size};
 use crate::console;
 use crate::export::{
     ChiefField, Errors, FieldError, Film, Fitted, Focus, Illumination, LensData, LensExposure, Map, Model,
@@ -133,6 +133,9 @@ impl From<FieldError> for Failure {
     }
 }
 
+/// The groups of parameters that some format uses.
+pub const GROUPS: &[&[&str]] = &[STOP_SHAPE, TRANSMISSION, &Exposure::PARAMETERS];
+
 /// Writes the export and reports on it.
 ///
 /// # Errors
@@ -141,8 +144,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let format = args.format;
     let out = out(args)?;
     let opened = match format {
-        ExportFormat::OpenTrackIo => args.lens.open_with_transmission()?,
-        ExportFormat::Usd => args.lens.open_with_exposure()?,
+        ExportFormat::OpenTrackIo => args.lens.open_with(&[TRANSMISSION])?,
+        ExportFormat::Usd => args.lens.open_with(&[STOP_SHAPE, &Exposure::PARAMETERS])?,
         _ => args.lens.open()?,
     };
     if format.is_map() && out.is_some() {

@@ -296,6 +296,18 @@ fn short_help_fits_a_screen_and_long_help_is_complete() {
     assert!(joined(&help(&["lens", "--help"])).contains("default that of the lens's own image"));
     // Parameters that need a camera are not listed for a lens.
     assert!(!help(&["lens", "--help"]).contains("--shutter-open"));
+    // Each command lists what it uses beyond the parameters of every lens.
+    for (command, used, unused) in [
+        ("psf", "--film-tilt-x", "--iso"),
+        ("mtf", "--transmission", "--iso"),
+        ("flare", "--blades", "--film-tilt-x"),
+        ("blender", "--stop-picture", "--iso"),
+        ("export", "--iso", "--film-tilt-x"),
+        ("focus", "--fnumber", "--blades"),
+    ] {
+        let long = help(&[command, "--help"]);
+        assert!(long.contains(used) && !long.contains(unused), "{command}: {long}");
+    }
     for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
         let completions = help(&["completions", shell]);
         assert!(completions.contains("focus-distance") && completions.contains("focus-stack"), "{shell}");

@@ -8,7 +8,7 @@ use self::{
     table::{Ghost, GhostTable},
 };
 use crate::{
-    arguments::{FilmSize, LensChoice, OpenedLens, finite, whole},
+    arguments::{FilmSize, LensChoice, OpenedLens, STOP_SHAPE, finite, whole},
     console,
     failure::Failure,
     host::render::spectrum,
@@ -118,12 +118,15 @@ const RANKING: usize = 32;
 /// Largest share of the ghosts' watts that all pairs left out of the picture may have together.
 const LEFT_OUT: f64 = 1e-4;
 
+/// The groups of parameters that the command uses.
+pub const GROUPS: &[&[&str]] = &[STOP_SHAPE];
+
 /// Writes the pictures and prints the table.
 ///
 /// # Errors
 /// There is no such lens, the film distance lies inside the lens, or a file cannot be written.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let opened = args.lens.open_with_stop()?;
+    let opened = args.lens.open_with(GROUPS)?;
     let film_distance = opened.film_distance()?;
     let [edge_sagitta, _] = opened.lens.rear().sagitta_range();
     if film_distance + edge_sagitta <= 0.0 {

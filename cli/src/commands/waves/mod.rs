@@ -4,7 +4,7 @@
 pub mod mtf;
 pub mod psf;
 
-use crate::arguments::{LensChoice, distance, whole};
+use crate::arguments::{LensChoice, POSED_FILM, STOP_SHAPE, TRANSMISSION, distance, whole};
 use crate::failure::Failure;
 use realistic_base::message::{as_given, fixed};
 use realistic_light::Surfaces;
@@ -13,6 +13,9 @@ use realistic_waves::{
     FilmPlane, ObjectPoint, Sampling, WaveError, Wavefront, seidel, wavefront::object_of, zernike::Ordering,
 };
 use serde_json::{Value, json};
+
+/// The groups of parameters that these commands use.
+pub const GROUPS: &[&[&str]] = &[STOP_SHAPE, TRANSMISSION, POSED_FILM];
 
 /// The options of a command about one image point.
 #[derive(clap::Args, Debug)]
@@ -89,7 +92,7 @@ impl ImagePoint {
     /// # Errors
     /// There is no such lens, it makes no image, or the point has no chief ray.
     fn of(args: &PointArgs) -> Result<Self, Failure> {
-        let opened = args.lens.open_with_stop_transmission_and_film()?;
+        let opened = args.lens.open_with(GROUPS)?;
         let film_distance = opened.film_distance()?;
         let lens = &opened.lens;
         let ([x, y], ahead, axes) = opened.film_surface()?.tangent(args.at);
