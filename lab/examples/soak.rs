@@ -289,7 +289,7 @@ pub fn soak(rays: u64, seed: u64, mut progress: impl FnMut(&Counts)) -> Counts {
     counts
 }
 
-#[cfg_attr(test, expect(dead_code, reason = "the test calls what this calls"))]
+#[cfg_attr(test, allow(dead_code, reason = "the test of this file calls what this calls"))]
 fn main() -> std::process::ExitCode {
     let mut arguments = std::env::args().skip(1).map(|text| text.parse::<f64>());
     let (rays, seed) = match (arguments.next().unwrap_or(Ok(1e9)), arguments.next().unwrap_or(Ok(1.0))) {
