@@ -233,7 +233,8 @@ def test_results_are_keyed_by_all_that_determines_them(tmp_path, monkeypatch):
     lens.write_text("20 5 1.5 10\n-20 0 1 10\n")
     field = realistic.Field.fractions([0.0, 0.5])
     given = {"field": field, "frequencies": [10.0], "resolution": (30, 20), "parameters": {"crop": np.arange(4)}}
-    job = study_module._Job(lens="lens.dat", fnumber=4.0, focus_distance=np.inf, wavelength=550.0, **given)
+    given |= {"focus_distance": np.inf, "defocus_mm": 0.0, "wavelength": 550.0}
+    job = study_module._Job(lens="lens.dat", fnumber=4.0, **given)
     tile = tiles._Tile((0, 0, 3, 2), (30, 20), ("--lens=lens.dat",), None, ".png")
 
     def keys():
@@ -244,6 +245,7 @@ def test_results_are_keyed_by_all_that_determines_them(tmp_path, monkeypatch):
             dataclasses.replace(job, lens="lens.dat@40mm"),
             dataclasses.replace(job, fnumber=None),
             dataclasses.replace(job, focus_distance=1e300),
+            dataclasses.replace(job, defocus_mm=0.1),
             dataclasses.replace(job, field=realistic.Field.angles([0.0, 0.5])),
             dataclasses.replace(job, field=realistic.Field.fractions(x=[0.0, 0.5], y=[0.0, 0.5])),
             dataclasses.replace(job, parameters={"crop": np.arange(1, 5)}),
