@@ -13,7 +13,7 @@
 //! tilt lies in this plane. A ray that leaves a point of any other surface is extended to this plane;
 //! [`FilmPoint::ahead`] is the distance by which the point lies in front of it.
 
-use realistic_base::numeric::dot;
+use realistic_base::numeric::{cross, dot, unit};
 use realistic_simd::{Cpu, Lanes, OneLane, Portable, Scalar};
 
 /// A film's surface.
@@ -95,25 +95,26 @@ impl FilmSurface {
     /// Returns x and y in space, mm, of a point of the flat film, and the distance by which the point lies in
     /// front of the plane through the film's centre perpendicular to the axis.
     pub fn point(&self, flat: [f64; 2]) -> ([f64; 2], f64) {
-        let flat = flat.map(|number| Portable([number]));
-        let FilmPoint { point: [Portable([x]), Portable([y])], ahead: Portable([ahead]), .. } =
-            self.constants().lift(OneLane::cpu(), flat);
-        ([x, y], ahead)
+        let FilmPoint { point, ahead, .. } = self.lifted(flat);
+        (point, ahead)
     }
 
     /// Returns the point of [`FilmSurface::point`] and two perpendicular unit vectors that span the tangent plane there. On
     /// flat film they point along u and v; on curved film u is constant along the second. All are NaN for points beyond the
     /// edge of the sphere.
     pub fn tangent(&self, flat: [f64; 2]) -> ([f64; 2], f64, [[f64; 3]; 2]) {
-        let (point, ahead) = self.point(flat);
-        let [nx, ny] = flat.map(|part| self.curvature * part);
-        let nz = (1.0 - nx * nx - ny * ny).sqrt();
-        // In the film's own frame: (1, 0, 0) less its part along the normal, and the cross product of the normal with that.
-        let length = (1.0 - nx * nx).sqrt();
-        let along_u = [length, -nx * ny / length, -nx * nz / length];
-        let along_v = [0.0, nz / length, -ny / length];
-        let turned = |vector: [f64; 3]| self.rotation.map(|row| dot(row, vector));
-        (point, ahead, [along_u, along_v].map(turned))
+        let FilmPoint { point, ahead, normal } = self.lifted(flat);
+        let u = self.rotation.map(|row| row[0]);
+        let cosine = dot(u, normal);
+        let along_u = unit(std::array::from_fn(|i| u[i] - cosine * normal[i]));
+        (point, ahead, [along_u, cross(normal, along_u)])
+    }
+
+    fn lifted(&self, flat: [f64; 2]) -> FilmPoint<f64> {
+        let number = |Portable([number])| number;
+        let FilmPoint { point, ahead, normal } =
+            self.constants().lift(OneLane::cpu(), flat.map(|number| Portable([number])));
+        FilmPoint { point: point.map(number), ahead: number(ahead), normal: normal.map(number) }
     }
 
     /// Returns the surface's constants in the precision of lanes.
@@ -226,8 +227,8 @@ mod tests {
     }
 
     fn lift(surface: &FilmSurface, flat: [f64; 2]) -> ([f64; 2], f64, [f64; 3]) {
-        let FilmPoint { point, ahead, normal } = surface.constants().lift::<One>(OneLane::cpu(), lanes(flat));
-        (numbers(point), numbers([ahead])[0], numbers(normal))
+        let FilmPoint { point, ahead, normal } = surface.lifted(flat);
+        (point, ahead, normal)
     }
 
     #[test]
