@@ -89,6 +89,8 @@ def test_the_film_is_moved_through_focus_and_the_scene_stays():
     cone = measure.working_fnumber(lens)
     np.testing.assert_allclose(found["spot_rms_um"][[0, 4]], 200 / cone / 8**0.5, rtol=0.1)
     assert found["spot_rms_um"][2] < 0.3 * found["spot_rms_um"][4]
+    plain = study("dgauss.50mm", 4, 2000.0, **given)
+    assert study("dgauss.50mm", 4, 2000.0, mm_per_unit=None, model=None, **given).equals(plain), "None is the default"
     with pytest.raises(ValueError, match="finite"):
         study("dgauss.50mm", defocus_mm=np.nan, **given)
     with pytest.raises(ValueError, match="leave out model"):

@@ -196,6 +196,8 @@ def test_a_study_through_focus_is_drawn_a_line_for_each_field_and_column() -> No
     other["fnumber"][0] = 4.0
     with pytest.raises(ValueError, match="differ in fnumber"):
         plot.through_focus(other, names)
+    with pytest.raises(ValueError, match="no rows"):
+        plot.through_focus(table[:0], names)
     with pytest.raises(ValueError, match="different field points"):
         plot.through_focus(table[:-1], names)
 

@@ -56,6 +56,16 @@ def checked(parameters: Mapping[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in parameters.items() if value is not None}
 
 
+def mm_per_unit_of(parameters: Mapping[str, Any]) -> float:
+    """Returns the length of a world unit, mm, for parameters that are not None."""
+    return float(parameters.get("mm_per_unit", 1.0))
+
+
+def focuses_by_film(parameters: Mapping[str, Any]) -> bool:
+    """Whether cameras with these parameters, which are not None, trace a lens and focus by the position of their film."""
+    return parameters.get("model", "lens") == "lens" and parameters.get("focus_by", "film") == "film"
+
+
 def resolution_of(given: Iterable[int]) -> tuple[int, int]:
     """Returns width and height as two Python integers."""
     try:

@@ -211,8 +211,10 @@ def field_map(table: Table, column: str, ax: Axes | None = None) -> Axes:
 
 
 def _of_one_camera(table: Table, columns: Sequence[str]) -> None:
-    """Raises an error unless all rows agree in columns."""
-    if several := [name for name in columns if len(np.unique(table[name])) != 1]:
+    """Raises an error unless there are rows that all agree in columns."""
+    if not len(table):
+        raise ValueError("the table has no rows")
+    if several := [name for name in columns if len(np.unique(table[name])) > 1]:
         raise ValueError(
             f"the figure is of one camera, and these rows differ in {', '.join(several)}: select some of them"
         )

@@ -13,6 +13,7 @@ from .. import _waves
 from ..errors import Error
 from ..measure import Field, working_fnumber
 from ..measure.diffraction import wavelength_of
+from ..parameters import mm_per_unit_of
 from .workers import Progress, Workers
 
 if TYPE_CHECKING:
@@ -103,7 +104,7 @@ def psf_map(
         pitch_um = 0.25e-3 * wavelength_of(camera) * working_fnumber(camera)
     places = _waves.from_the_middle(camera, Field.grid(columns, rows).image_xy(camera).reshape(-1, 2))
     parameters = _waves.parameters_of(camera)
-    far = None if distance is None else distance * float(camera.parameters.get("mm_per_unit", 1.0))
+    far = None if distance is None else distance * mm_per_unit_of(camera.parameters)
     colours = None if spectrum is None else dict(spectrum)
     # In lens space the image is upside down.
     jobs = [_Point(parameters, (-x, -y), far, colours, rays, pixels, pitch_um) for x, y in places.tolist()]

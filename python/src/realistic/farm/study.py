@@ -22,7 +22,7 @@ from ..errors import Error, FocusError, LensFileError, ParameterError, warnings_
 from ..measure import Field, diffraction_mtf
 from ..measure.bundles import lens_grid
 from ..measure.spots import transfer_of
-from ..parameters import checked, resolution_of
+from ..parameters import checked, focuses_by_film, mm_per_unit_of, resolution_of
 from .table import Table
 from .workers import Progress, Workers
 
@@ -138,14 +138,14 @@ def study(
             f"{', '.join(sorted(taken))}: give a study's lenses, fnumbers, focus_distances and wavelengths instead"
         )
     workers = Workers(client, processes, retries, keep, progress)
-    checked(dict(parameters))
+    given = checked(dict(parameters))
     named = [lenses] if isinstance(lenses, (str, os.PathLike)) else list(lenses)
     stops = [None if stop is None else float(stop) for stop in _several(fnumbers)]
     several = (focus_distances, defocus_mm, wavelengths, frequencies)
-    far, moved, colours, lines = ([float(each) for each in _several(given)] for given in several)
+    far, moved, colours, lines = ([float(each) for each in _several(numbers)] for numbers in several)
     if not np.isfinite(moved).all():
         raise ValueError(f"defocus_mm is {defocus_mm!r}; give finite distances in mm")
-    if any(moved) and not _has_film_of_its_own(dict(parameters)):
+    if any(moved) and not focuses_by_film(given):
         raise ValueError("defocus_mm moves the film of a lens that focuses by its film: leave out model and focus_by")
     points = fields if isinstance(fields, Field) else Field.fractions(np.asarray(_several(fields), float))
     jobs = [
@@ -158,7 +158,7 @@ def study(
             points,
             lines,
             resolution_of(resolution),
-            dict(parameters),
+            given,
             diffraction,
         )
         for lens, stop, distance, away, colour in product(named, stops, far, moved, colours)
@@ -193,12 +193,7 @@ class _Job:
     @property
     def distance(self) -> float:
         """Distance of the measured plane from the film, world units: the film may be moved, but not the plane."""
-        return self.focus_distance + self.defocus_mm / self.mm_per_unit
-
-    @property
-    def mm_per_unit(self) -> float:
-        """Millimetres of a world unit."""
-        return float(self.parameters.get("mm_per_unit", 1.0))
+        return self.focus_distance + self.defocus_mm / mm_per_unit_of(self.parameters)
 
     def result(self, found: dict[str, Any], notes: Sequence[str], failed: ArrayLike) -> bytes:
         """Returns the rows as JSON: a camera's columns by name, each with one value per field point."""
@@ -270,15 +265,10 @@ def _failed(job: _Job, error: Exception) -> bytes:
     return job.result({}, [note] * job.field.x.size, True)
 
 
-def _has_film_of_its_own(parameters: dict[str, Any]) -> bool:
-    """Whether the film can be placed independently of the plane in focus."""
-    return parameters.get("model", "lens") == "lens" and parameters.get("focus_by", "film") == "film"
-
-
 def _camera(job: _Job) -> Camera:
     """Builds the camera at its wavelength, with its film where the lens is in focus at 587.56 nm, or moved from there."""
     given = {**job.parameters, "lens_file": job.lens, "fnumber": job.fnumber, "resolution": job.resolution}
-    if _has_film_of_its_own(given):
+    if focuses_by_film(given):
         with Camera(focus_distance=job.focus_distance, **given) as focused:
             return focused.replace(film_distance=focused.film_distance + job.defocus_mm, wavelength=job.wavelength)
     return Camera(focus_distance=job.focus_distance, wavelength=job.wavelength, **given)
@@ -328,7 +318,7 @@ def _diffracted(job: _Job, camera: Camera, image_xy: NDArray[np.float64]) -> dic
     if camera.parameters.get("model", "lens") != "lens":
         return {name: np.full(len(image_xy), np.nan) for name in names}
     lens = _waves.parameters_of(camera)
-    distance = job.distance * job.mm_per_unit
+    distance = job.distance * mm_per_unit_of(job.parameters)
     rows = []
     for point in -_waves.from_the_middle(camera, image_xy):
         try:

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..errors import quietly
 from ..lens import Lens
+from ..parameters import mm_per_unit_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -212,7 +213,7 @@ def seen_from(bundles: Bundles, z: float, plane: float) -> NDArray[np.float64]:
 def film_plane(plain: Camera) -> float:
     """Returns z of the film plane (negative) in camera space, world units, for a camera of `in_camera_space` with a
     lens."""
-    return (lens_of(plain).rear_vertex_mm - plain.film_distance) / float(plain.parameters.get("mm_per_unit", 1.0))
+    return (lens_of(plain).rear_vertex_mm - plain.film_distance) / mm_per_unit_of(plain.parameters)
 
 
 def lens_of(camera: Camera) -> Lens:
@@ -230,7 +231,7 @@ def plane_in_focus(plain: Camera) -> float:
         focus = plain.focus_distance_mm
         if not np.isfinite(focus):
             return float("inf")
-        return film_plane(plain) + focus / float(plain.parameters.get("mm_per_unit", 1.0))
+        return film_plane(plain) + focus / mm_per_unit_of(plain.parameters)
     if plain.parameters.get("lens_radius", 0.0) > 0:
         return float(plain.parameters.get("focal_distance", np.inf))
     return float("inf")

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..parameters import focuses_by_film, mm_per_unit_of
 from .bundles import Bundles, bundles_of, in_camera_space, lens_grid, lens_of, plane_at
 from .points import film_points
 
@@ -111,10 +112,10 @@ class _ObjectPoints:
     """Object points in lens space (mm, +z toward the scene), and the unvignetted parts of their pupils."""
 
     def __init__(self, camera: Camera, image_xy: NDArray[np.float64], distance: float | None) -> None:
-        if camera.parameters.get("model", "lens") != "lens" or camera.parameters.get("focus_by", "film") != "film":
+        if not focuses_by_film(camera.parameters):
             raise ValueError('there are no surfaces to trace: the camera\'s model must be "lens", and focus_by "film"')
         self.lens: Lens = lens_of(camera)
-        mm = float(camera.parameters.get("mm_per_unit", 1.0))
+        mm = mm_per_unit_of(camera.parameters)
         with in_camera_space(camera) as plain:
             plane = plane_at(plain, distance)
             bundles: Bundles = bundles_of(plain, image_xy, lens_grid(32))
